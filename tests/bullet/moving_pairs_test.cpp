@@ -2,6 +2,7 @@
 // Physical laws of contacts between moving bodies: soft with rigid, soft with soft.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
 #include "support/tested_way.h"
@@ -27,6 +28,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using test::BulletWorld;
 using test::eigen;
+using test::kTick;
 using test::momentumOf;
 using test::vec;
 

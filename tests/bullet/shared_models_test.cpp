@@ -2,6 +2,7 @@
 // Equal bodies share a model. What happens to one of them must not change the others.
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/file_networks.h"
 
-#include "network/file.h"
+#include "mesh/bytes.h"
 
 namespace limber::test {
 namespace {

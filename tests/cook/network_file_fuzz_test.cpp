@@ -3,7 +3,7 @@
 #include <limber/spring_network.h>
 
 #include "cook/file_networks.h"
-#include "network/file.h"
+#include "mesh/bytes.h"
 
 #include <gtest/gtest.h>
 

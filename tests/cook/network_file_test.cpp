@@ -174,8 +174,29 @@ TEST(NetworkFile, foreignFilesAreRefused) {
 
 TEST(NetworkFile, otherVersionsAreRefused) {
   Bytes bytes = toBytes(test::everyMemberNetwork());
-  bytes[8] = 2;
-  EXPECT_EQ(parse(bytes).error(), "a .limber file of version 2, this library reads version 1");
+  for (const std::uint8_t version : {0, 3}) {
+    bytes[8] = version;
+    EXPECT_EQ(parse(bytes).error(), "a .limber file of version " + std::to_string(version) +
+                                        ", this library reads versions 1 to 2");
+  }
+}
+
+TEST(NetworkFile, groupsNeedVersionTwo) {
+  SpringNetwork network = test::everyMemberNetwork();
+  EXPECT_EQ(toBytes(network)[8], 1) << "older libraries read networks without groups";
+  network.groups = {{"arms", {0, 2}, {0, 1, 4}}, {"no members", {}, {}}};
+  const Bytes bytes = toBytes(network);
+  EXPECT_EQ(bytes[8], 2);
+  const auto read = parse(bytes);
+  ASSERT_TRUE(read) << read.error();
+  ASSERT_EQ((*read)->groups.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ((*read)->groups[i].name, network.groups[i].name);
+    EXPECT_EQ((*read)->groups[i].springs, network.groups[i].springs);
+    EXPECT_EQ((*read)->groups[i].points, network.groups[i].points);
+  }
+  network.groups[0].springs = {2, 1};
+  EXPECT_EQ(parse(toBytes(network)).error(), "group 0 (arms) has spring 1 after 2");
 }
 
 TEST(NetworkFile, everyTruncationIsRefused) {

@@ -18,6 +18,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftBodyData;
 struct SoftContact;
+struct SurfaceHit;
 
 /// One soft body in a world. SoftBodySystem creates and owns it; the pointer is valid until destroyBody(),
 /// removeAll(), or the destruction of the system. A handle() tells whether the body still exists.
@@ -90,14 +91,68 @@ class SoftBody {
   /// Fixes point i at its position: it becomes a kinematic body of Bullet until unpin(). No change if it is
   /// pinned already.
   Result<void> pin(std::uint32_t i);
-  /// Moves a pinned point to `target` over the next tick; the springs pull the other points along. Further
-  /// errors: a point that is not pinned; a target that is not finite.
+  /// Moves a pinned point to `target` over the next tick; the springs pull the other points along. It takes
+  /// more ticks where the pin would be faster than SoftBodySettings::maxPinSpeed. Further errors: a point
+  /// that is not pinned; a target that is not finite.
   Result<void> movePin(std::uint32_t i, const btVector3& target);
+  /// Moves a pinned point to `target` at once: it has no velocity from that. Errors as of movePin().
+  Result<void> teleportPin(std::uint32_t i, const btVector3& target);
   /// Releases a pinned point. It has its mass again and keeps the velocity of its last movement. Further
   /// error: a point that is not pinned.
   Result<void> unpin(std::uint32_t i);
   /// Returns whether point i exists and is pinned.
   bool pinned(std::uint32_t i) const;
+
+  // --- changes while the body lives. Errors of all: a body that is not alive(); values that are not finite
+  // or too large. All of them wake the body.
+
+  /// Gives the body other settings, also of its material: withMaterial(network(), material, settings()).
+  ///
+  ///     SoftBodySettings s = body->settings();
+  ///     s.extensionStiffness = s.compressionStiffness = 500.0;
+  ///     body->change(s);
+  ///
+  /// Positions and velocities stay, so only what is changed brings or takes energy: a stiffness takes effect
+  /// at the present strains, a mass at the present velocities, a pressure at the present volume. Another
+  /// `scale` scales the present shape about the centre of mass along the body's axes, with equal strains;
+  /// pinned and attached points stay. Springs that have yielded keep the strain of that, broken ones stay
+  /// broken. Masses, friction, restitution and sleeping thresholds that the user has set on Bullet's objects
+  /// are replaced only where these settings differ from the present ones. Position, rotation and velocities
+  /// in `settings` are not used. Makes new constants, which takes about as long as creating a body. Errors,
+  /// with nothing changed: those of createBody(); another `collision`; another sign of a `scale`.
+  Result<void> change(const SoftBodySettings& settings);
+
+  /// Returns the place of the body: the centre of mass of all points, pinned ones included, and the rotation
+  /// that brings the rest shape nearest to the present one.
+  btTransform transform() const;
+  /// Moves the body, pinned points included, to this transform() at once. Its deformation, velocity and
+  /// angular velocity stay; the displacement gives it no velocity. Attached points are pulled back by their
+  /// bodies: detach them before.
+  Result<void> setTransform(const btTransform& transform);
+  /// Gives all points that are not pinned the velocity of a rigid body: m/s, rad/s about transform()'s
+  /// origin.
+  Result<void> setVelocity(const btVector3& linear, const btVector3& angular = btVector3(0, 0, 0));
+  /// Brings the body back to its rest shape: as it was created, with the place and velocities of its
+  /// settings, or at rest at a transform(). Springs are as at first, neither yielded nor broken. Pins stay
+  /// pins.
+  Result<void> reset();
+  Result<void> reset(const btTransform& transform);
+
+  /// Applies a force (N) in all ticks of the coming stepSimulation(), as for Bullet's bodies: to the body as
+  /// a whole, at point i, or at a place on its surface. Pinned points do not move. Further errors: no such
+  /// point; a hit of another body.
+  Result<void> applyForce(const btVector3& force);
+  Result<void> applyForce(const btVector3& force, std::uint32_t i);
+  Result<void> applyForce(const btVector3& force, const SurfaceHit& place);
+  Result<void> applyTorque(const btVector3& torque);  ///< N m
+  /// Change the momentum (N s) or angular momentum (N m s) at once.
+  Result<void> applyImpulse(const btVector3& impulse);
+  Result<void> applyImpulse(const btVector3& impulse, std::uint32_t i);
+  Result<void> applyImpulse(const btVector3& impulse, const SurfaceHit& place);
+  Result<void> applyTorqueImpulse(const btVector3& impulse);
+  /// Pushes all points within `radius` (m) away from `center`, as an explosion does: a point at the distance
+  /// d gets the velocity speed (1 - d / radius) in addition; towards the centre if speed (m/s) is negative.
+  Result<void> applyBlast(const btVector3& center, btScalar radius, btScalar speed);
 
   /// Returns the number of ticks in which a position, velocity or force of the body was not finite, or beyond
   /// 1e18. It is 0 unless the application has set such a value or the step has computed one. The points then

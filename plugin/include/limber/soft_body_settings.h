@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace limber {
 
@@ -72,6 +73,16 @@ enum class Collision : std::uint8_t {
 #pragma GCC diagnostic pop
 #endif
 
+/// Factors for a named group of the network (NamedGroup in spring_network.h). A spring or point of several of
+/// these groups gets the product of their factors.
+struct GroupSettings {
+  std::string name;
+  double stiffness = 1.0;    ///< of its springs, 0 to 1e6
+  double damping = 1.0;      ///< of its springs, 0 to 1e6
+  double limitStrain = 1.0;  ///< of the strains of ElasticLimit, for its springs, 1e-6 to 1e6
+  double mass = 1.0;         ///< of its points, 1e-3 to 1e3; comes on top of totalMass
+};
+
 /// All properties of a soft body except its shape. SI units: metres, kilograms, seconds, newtons, radians.
 struct SoftBodySettings {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< m, to 1e6, of the network's origin
@@ -113,6 +124,12 @@ struct SoftBodySettings {
                                       ///< start, so that fast objects do not pass through
   double sleepingSpeed = 0.1;  ///< m/s; a body falls asleep when all its points have been slower than this
                                ///< for gDeactivationTime
+  double gravityFactor = 1.0;  ///< of the world's gravity, -1000 to 1000; 0: weightless. Does not apply to
+                               ///< points whose gravity the user has set (BT_DISABLE_WORLD_GRAVITY)
+  double maxPinSpeed = 300.0;  ///< m/s, 1e-6 to 1e6; a pin whose target is farther than this allows in a tick
+                               ///< gets there in several ticks. teleportPin() has no limit
+
+  std::vector<GroupSettings> groups;  ///< for groups of the network; all others have factors of 1
 
   Stepping stepping;
   ElasticLimit elasticLimit;

@@ -34,6 +34,14 @@ struct NetworkSpring {
   double stiffnessScale = 1.0;  ///< factor of the body's spring constant and damping
 };
 
+/// Springs and points with a name, such as "arms" or "seam". The settings of a body have factors for them
+/// (GroupSettings in soft_body_settings.h). Groups may overlap.
+struct NamedGroup {
+  std::string name;                    ///< not empty, unique in the network
+  std::vector<std::uint32_t> springs;  ///< indices into SpringNetwork::springs, ascending
+  std::vector<std::uint32_t> points;   ///< indices into SpringNetwork::restPoints, ascending
+};
+
 /// Four points of positive volume, (b - a) . ((c - a) x (d - a)) / 6 > 0.
 using Tetrahedron = std::array<std::uint32_t, 4>;
 
@@ -70,10 +78,16 @@ struct SpringNetwork {
   double stiffnessPerModulus = 0.0;  ///< m; in material mode the required spring constant (N/m) per Pa of
                                      ///< Young's modulus (network_builder.h), else 0
   RenderSurface render;              ///< empty for ropes
+  std::vector<NamedGroup> groups;    ///< #groups, in any order
   MeshReport report;                 ///< from welding; zeros for ropes and cloths
 };
 
 using SharedNetwork = std::shared_ptr<const SpringNetwork>;
+
+/// Returns the network with a group of these points and of all springs between them. Errors: an empty name, or
+/// one that the network has already; a point that it does not have.
+Result<SharedNetwork> withGroup(const SpringNetwork& network, const std::string& name,
+                                std::vector<std::uint32_t> points);
 
 /// Checks a network. The error is the first violation of the conditions stated at SpringNetwork's members,
 /// with its index.

@@ -43,13 +43,12 @@ constexpr double kResidual = 0.03;
 /// Returns the fastest oscillation with the masses of the settings and no held points. It uses the unrotated
 /// rest shape at the origin: otherwise the remaining residual, and sometimes the number of substeps, would
 /// depend on the body's initial pose.
-double fastestAtRest(const BodyModel& model, const Points& rest, double totalMass) {
+double fastestAtRest(const BodyModel& model, const Points& rest) {
   PointState state;
   state.resize(rest.cols());
   state.position = rest;
   for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    state.inverseMass.col(i).setConstant(
-        1.0 / (totalMass * model.network->massFractions[static_cast<std::size_t>(i)]));
+    state.inverseMass.col(i).setConstant(1.0 / model.masses[static_cast<std::size_t>(i)]);
   return fastestOscillationSquared(model.springs, model.volumes, model.tetrahedra, state, kResidual);
 }
 
@@ -68,6 +67,17 @@ void measureBand(BodyModel& model) {
   model.cheapNewton = 27 * points * width * width <= kCheapOperations;
 }
 
+/// Sets the masses of the points, and their fractions of the sum: groups may change it.
+void setMasses(BodyModel& model, const SoftBodySettings& settings) {
+  model.masses = model.rest.fractions = model.network->massFractions;
+  for (double& mass : model.masses) mass *= settings.totalMass;
+  if (settings.groups.empty()) return;
+  const GroupFactors factors(*model.network, settings.groups);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < model.masses.size(); ++i) sum += model.masses[i] *= factors.mass[i];
+  for (std::size_t i = 0; i < model.masses.size(); ++i) model.rest.fractions[i] = model.masses[i] / sum;
+}
+
 BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settings) {
   BodyModel model;
   model.network = network;
@@ -78,34 +88,42 @@ BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settin
   if (settings.collision == Collision::Surface)
     if (auto topology = makeSurfaceTopology(rest, featuresOf(*network, settings)))
       model.topology = std::move(*topology);
-  model.rest = {network->massFractions, rest, 0.0};
+  setMasses(model, settings);
+  model.rest.weighted = rest;
   for (Eigen::Index i = 0; i < rest.cols(); ++i) {
-    model.rest.weighted.col(i) *= network->massFractions[static_cast<std::size_t>(i)];
+    model.rest.weighted.col(i) *= model.rest.fractions[static_cast<std::size_t>(i)];
     model.rest.meanSquare += model.rest.weighted.col(i).dot(rest.col(i));
   }
-  model.fastestAtRest = fastestAtRest(model, rest, settings.totalMass);
+  model.fastestAtRest = fastestAtRest(model, rest);
   measureBand(model);
   return model;
 }
 
-std::array<double, 16> modelKey(const SoftBodySettings& s) {
+std::vector<double> modelKey(const SpringNetwork& network, const SoftBodySettings& s) {
   const ElasticLimit& limit = s.elasticLimit;
-  return {s.scale.x(),
-          s.scale.y(),
-          s.scale.z(),
-          s.totalMass,
-          s.extensionStiffness,
-          s.compressionStiffness,
-          s.damping,
-          s.volumeModulus.value_or(-1.0),
-          s.pressure,
-          s.ambientPressure,
-          limit.stiffenStrain,
-          limit.stiffenFactor,
-          limit.yieldStrain,
-          limit.yieldMaximum,
-          limit.breakStrain,
-          static_cast<double>(s.collision)};
+  std::vector<double> key = {s.scale.x(),
+                             s.scale.y(),
+                             s.scale.z(),
+                             s.totalMass,
+                             s.extensionStiffness,
+                             s.compressionStiffness,
+                             s.damping,
+                             s.volumeModulus.value_or(-1.0),
+                             s.pressure,
+                             s.ambientPressure,
+                             limit.stiffenStrain,
+                             limit.stiffenFactor,
+                             limit.yieldStrain,
+                             limit.yieldMaximum,
+                             limit.breakStrain,
+                             static_cast<double>(s.collision)};
+  for (const GroupSettings& g : s.groups) {
+    const auto same = [&](const NamedGroup& group) { return group.name == g.name; };
+    const auto it = std::find_if(network.groups.begin(), network.groups.end(), same);
+    const auto number = static_cast<double>(it - network.groups.begin());
+    key.insert(key.end(), {number, g.stiffness, g.damping, g.limitStrain, g.mass});
+  }
+  return key;
 }
 
 /// m. Bullet computes moments of inertia with squares of a fiftieth of it, and their inverses, in floats.
@@ -123,12 +141,12 @@ std::string inWords(double value) {
   return number;
 }
 
-double extentOf(const Points& x) { return (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm(); }
-
-std::string checkSprings(const SpringNetwork& network, const SoftBodySettings& s) {
-  const double largest = std::max({s.extensionStiffness, s.compressionStiffness, s.damping});
+std::string checkSprings(const SpringNetwork& network, const SoftBodySettings& s,
+                         const GroupFactors& factors) {
+  const double stiffest = std::max(s.extensionStiffness, s.compressionStiffness);
   for (std::size_t i = 0; i < network.springs.size(); ++i) {
-    const double stiffness = largest * network.springs[i].stiffnessScale;
+    const double stiffness = std::max(stiffest * factors.stiffness[i], s.damping * factors.damping[i]) *
+                             network.springs[i].stiffnessScale;
     if (!(stiffness <= kMaxStiffness))
       return "spring " + std::to_string(i) + " would have a stiffness or damping of " + inWords(stiffness) +
              ", must be at most 1e12";
@@ -138,24 +156,27 @@ std::string checkSprings(const SpringNetwork& network, const SoftBodySettings& s
 
 /// Checks the settings together with the network.
 std::string checkShape(const SpringNetwork& network, const SoftBodySettings& s) {
+  const GroupFactors factors(network, s.groups);
   for (std::size_t i = 0; i < network.massFractions.size(); ++i)
-    if (const double mass = s.totalMass * network.massFractions[i]; !(mass >= kMinPointMass))
+    if (const double mass = s.totalMass * network.massFractions[i] * factors.mass[i];
+        !(mass >= kMinPointMass))
       return "point " + std::to_string(i) + " would have a mass of " + inWords(mass) +
              " kg, must be at least 1e-15";
   const double extent = extentOf(scaledRest(network, s.scale));
   if (!(extent >= kMinSize) && !network.springs.empty())
     return "the body would be " + inWords(extent) + " m across, must be at least 1e-6";
-  return checkSprings(network, s);
+  return checkSprings(network, s, factors);
 }
 
 }  // namespace
 
 Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& network,
                                                           const SoftBodySettings& settings) {
-  const Key key{network.get(), modelKey(settings)};
+  const Key key{network.get(), modelKey(*network, settings)};
   if (const auto it = models_.find(key); it != models_.end())
     if (std::shared_ptr<const BodyModel> model = it->second.lock()) return model;
   if (Result<void> valid = validate(*network); !valid) return Error{"network: " + valid.error()};
+  if (std::string reason = checkGroups(*network, settings.groups); !reason.empty()) return Error{reason};
   if (std::string reason = checkVolume(*network, settings); !reason.empty()) return Error{reason};
   if (std::string reason = checkShape(*network, settings); !reason.empty()) return Error{reason};
   for (auto it = models_.begin(); it != models_.end();)
@@ -169,26 +190,29 @@ Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& n
 
 namespace {
 
-Eigen::Vector3d centerOfMass(const SpringNetwork& network, const Points& position) {
+Eigen::Vector3d centerOfMass(const BodyModel& model, const Points& position) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < network.massFractions.size(); ++i)
-    center += network.massFractions[i] * position.col(static_cast<Eigen::Index>(i));
+  for (std::size_t i = 0; i < model.rest.fractions.size(); ++i)
+    center += model.rest.fractions[i] * position.col(static_cast<Eigen::Index>(i));
   return center;
 }
 
-void initializePoints(SoftBodyData& body) {
+}  // namespace
+
+void placeAsCreated(SoftBodyData& body) {
   const SoftBodySettings& s = body.settings;
   PointState& state = body.state;
-  state.resize(static_cast<Eigen::Index>(body.model->network->restPoints.size()));
   const Eigen::Matrix3d rotation = s.rotation.toRotationMatrix();
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     const Eigen::Vector3d rest = body.model->network->restPoints[static_cast<std::size_t>(i)];
     state.position.col(i) = s.position + rotation * rest.cwiseProduct(s.scale);
   }
-  const Eigen::Vector3d center = centerOfMass(*body.model->network, state.position);
+  const Eigen::Vector3d center = centerOfMass(*body.model, state.position);
   for (Eigen::Index i = 0; i < state.position.cols(); ++i)
     state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
 }
+
+namespace {
 
 /// m, m/s. Twice the largest position of the settings, and ten times the largest speed.
 constexpr double kMaxCoordinate = 2e6, kMaxSpeed = 1e6;
@@ -220,9 +244,12 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
   body->springs = body->model->springs;
   body->volumes = body->model->volumes;
   body->tetrahedra = body->model->tetrahedra;
-  initializePoints(*body);
+  body->state.resize(static_cast<Eigen::Index>(network->restPoints.size()));
+  placeAsCreated(*body);
   if (std::string reason = checkPoints(body->state); !reason.empty()) return Error{reason};
   body->size = extentOf(body->state.position);
+  body->models = &models;
+  body->surface.frame = settings.rotation.normalized();
   return body;
 }
 

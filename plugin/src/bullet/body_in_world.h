@@ -12,10 +12,10 @@
 #include <limber/soft_body_settings.h>
 #include <limber/spring_network.h>
 
-#include <array>
 #include <map>
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -30,7 +30,7 @@ class SharedModels {
   Result<std::shared_ptr<const BodyModel>> of(const SharedNetwork& network, const SoftBodySettings& settings);
 
  private:
-  using Key = std::pair<const SpringNetwork*, std::array<double, 16>>;
+  using Key = std::pair<const SpringNetwork*, std::vector<double>>;
   std::map<Key, std::weak_ptr<const BodyModel>> models_;  // a living model keeps its network's address
 };
 
@@ -38,6 +38,19 @@ class SharedModels {
 /// SoftBodySystem::createBody.
 Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
                                                    const SoftBodySettings& settings, SharedModels& models);
+
+/// Sets positions and velocities to those of a new body.
+void placeAsCreated(SoftBodyData& body);
+
+/// Returns the diagonal (m) of the bounding box of points.
+inline double extentOf(const Points& x) { return (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm(); }
+
+/// Gives the body the constants of its model again, instead of softened ones, and resets what depends on
+/// them.
+void forgetConstants(SoftBodyData& body);
+
+/// Applies settings to a living body, see SoftBody::change().
+Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings);
 
 // --- in the world ------------------------------------------------------------------------------------------
 

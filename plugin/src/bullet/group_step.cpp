@@ -78,10 +78,10 @@ constexpr double kBudgetPhaseSquared = 2.0;
 /// grow at most by this factor.
 double lightest(const SoftBodyData& body) {
   double most = 0.0;
-  for (std::size_t i = 0; i < body.model->network->massFractions.size(); ++i)
-    most = std::max(most, body.state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() *
-                              body.model->network->massFractions[i]);
-  return most * body.settings.totalMass;
+  const std::vector<double>& masses = body.model->masses;
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    most = std::max(most, body.state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() * masses[i]);
+  return most;
 }
 
 void updateBounds(SoftBodyData& body) {

@@ -37,6 +37,11 @@ bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
 
 // --- the points of one body --------------------------------------------------------------------------------
 
+void remember(PointMasses& masses, std::uint32_t i) {
+  masses.leftPosition[i] = masses.bodies[i]->getWorldTransform().getOrigin();
+  masses.leftVelocity[i] = masses.bodies[i]->getLinearVelocity();
+}
+
 namespace {
 
 /// Returns a very large inertia, which prevents rotation also in solvers that ignore the angular factor. The
@@ -50,7 +55,7 @@ btVector3 inertiaOf(const SoftBodyData& body, btScalar mass) {
 }
 
 btScalar settingsMassOf(const SoftBodyData& body, std::uint32_t i) {
-  return static_cast<btScalar>(body.settings.totalMass * body.model->network->massFractions[i]);
+  return static_cast<btScalar>(body.model->masses[i]);
 }
 
 PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
@@ -71,12 +76,6 @@ PointMass* makeBody(SoftBodyData& body, std::uint32_t i) {
   return point;
 }
 
-/// Stores the present values of the Bullet body, so that later changes are detected.
-void remember(PointMasses& masses, std::uint32_t i) {
-  masses.leftPosition[i] = masses.bodies[i]->getWorldTransform().getOrigin();
-  masses.leftVelocity[i] = masses.bodies[i]->getLinearVelocity();
-}
-
 void gatherHeld(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   PointState& s = body.state;
   btVector3& target = body.masses.bodies[i]->getWorldTransform().getOrigin();
@@ -85,6 +84,8 @@ void gatherHeld(SoftBodyData& body, std::uint32_t i, btScalar tick) {
     body.restored = true;
   }
   s.velocity.col(i) = (toEigen(target) - s.position.col(i)) / double(tick);
+  const double speed = s.velocity.col(i).norm();
+  if (speed > body.settings.maxPinSpeed) s.velocity.col(i) *= body.settings.maxPinSpeed / speed;
 }
 
 /// Copies the user's changes of a point to the state. First restores values that are not sound, because they
@@ -242,12 +243,16 @@ void restoreIfUnsound(SoftBodyData& body) {
       if (!std::isfinite(yielded->restLength[i]))
         yielded->restLength[i] = body.springs.original->restLength[i];
   ++body.springs.revision;
+  forgetMotion(body);
+  body.restored = true;
+}
+
+void forgetMotion(SoftBodyData& body) {
   for (PlaneContact& row : body.contacts) row.impulse = TickImpulse();
   body.storedImpulses.clear();
   body.implicit.reset();
   body.volumes.kept.value = 0.0;
   body.errorPerSecond = body.errorCoefficient = 0.0;
-  body.restored = true;
 }
 
 bool isChangedOutside(const SoftBodyData& body, std::uint32_t i) {

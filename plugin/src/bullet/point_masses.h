@@ -106,6 +106,9 @@ void writePoints(SoftBodyData& body);
 /// Writes the state of point i to its body, rounded to Bullet's precision.
 void writePoint(SoftBodyData& body, std::uint32_t i);
 
+/// Stores the present values of the Bullet body of point i, so that later changes are detected.
+void remember(PointMasses& masses, std::uint32_t i);
+
 /// Copies the user's changes since the last tick to the state.
 void absorbOutsideChanges(SoftBodyData& body);
 
@@ -133,6 +136,9 @@ constexpr double kMaxSound = 1e18;
 /// Restores a body whose motion is no longer sound to its positions at the start of the tick, at rest. Resets
 /// all data that are derived from the motion.
 void restoreIfUnsound(SoftBodyData& body);
+
+/// Resets what depends on the motion so far: impulses of contacts, and estimates of the error.
+void forgetMotion(SoftBodyData& body);
 
 /// Returns whether a point has moved faster than its sleeping threshold in the last tick, or the user has
 /// changed it. Compares displacements: a point at rest on an object has the velocity of a step in free fall

@@ -16,9 +16,9 @@
 #include "solver/plane_contacts.h"
 #include "solver/point_state.h"
 #include "solver/simd_steps.h"
+#include "solver/softening.h"
 #include "solver/springs.h"
 #include "solver/verlet_step.h"
-#include "solver/softening.h"
 #include "solver/volumes.h"
 
 #include <limber/contacts.h>
@@ -37,6 +37,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 class MultiBodyLinks;
 class ReportedManifold;
+class SharedModels;
 
 // --- contacts ----------------------------------------------------------------------------------------------
 
@@ -121,16 +122,19 @@ struct SurfaceData {
   SurfaceObject* object = nullptr;  ///< nullptr: Collision::Points, or the application has deleted it
   std::unique_ptr<SurfaceShape> shape;
   LeftObject left;
-  Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();  ///< the object's basis, rotates with the body
+  Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();  ///< the object's basis, rotates with the body;
+                                                              ///< see followRotation()
   Eigen::Vector3d objectForce = Eigen::Vector3d::Zero();      ///< N, on the object in this stepSimulation()
   Eigen::Vector3d objectTorque = Eigen::Vector3d::Zero();     ///< N m
-  bool pushed = false;                  ///< the user has applied a force or torque to the object before
-  bool joined = false;                  ///< the object is in a Bullet constraint
-  std::vector<double> gaps;             ///< #contacts, scratch of readObjectFromBullet()
-  PointState meanState;                 ///< scratch of writeObjectToBullet()
-  bool held = false;                    ///< taken out of the simulation by Bullet or the user
-  btVector3 gravity;                    ///< m/s^2, gravity of the world that was last given to the points
-  Points force;                         ///< 3 x #points, N, in this stepSimulation(); empty until exposed
+  bool pushed = false;       ///< the user has applied a force or torque to the object before
+  bool joined = false;       ///< the object is in a Bullet constraint
+  std::vector<double> gaps;  ///< #contacts, scratch of readObjectFromBullet()
+  PointState meanState;      ///< scratch of writeObjectToBullet()
+  bool held = false;         ///< taken out of the simulation by Bullet or the user
+  btVector3 gravity;         ///< m/s^2, gravity of the world that was last given to the points
+  Points force;              ///< 3 x #points, N, in this stepSimulation(); empty until exposed or first used
+  Points newForce;           ///< 3 x #points, N, since the last tick, see addForce(); empty until first used
+  bool hasNewForce = false;
   std::vector<CachedContact> contacts;  ///< #points; empty until a kinematic object is touched
   SweptBounds sweptBounds;              ///< predicted for the coming tick; Bullet's broadphase has its box
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
@@ -150,7 +154,8 @@ struct SurfaceData {
 /// The constants that all bodies of one network with the same scale and material share. Immutable.
 struct BodyModel {
   SharedNetwork network;
-  SpringArrays springs;  ///< a body starts with copies of the three, which share their constants
+  std::vector<double> masses;  ///< #points, kg
+  SpringArrays springs;        ///< a body starts with copies of the three, which share their constants
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
   SurfaceTopology topology;  ///< of the points and triangles; springs of ropes; empty: Collision::Points
@@ -188,6 +193,8 @@ struct SoftBodyData {
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
   btDiscreteDynamicsWorld* world = nullptr;
+  SharedModels* models = nullptr;   ///< of its system
+  bool* groupsStale = nullptr;      ///< of the world's step: linked groups must be made again
   MultiBodyLinks* links = nullptr;  ///< of the world
   const void* system = nullptr;     ///< identifies the shared step of all systems of the world
   ShapeCache* shapes = nullptr;     ///< of the world
@@ -277,6 +284,11 @@ inline std::uint32_t pointCount(const SoftBodyData& body) {
 
 /// Returns the radius (m) of the points.
 inline double radiusOf(const SoftBodyData& body) { return double(body.masses.shape->getRadius()); }
+
+/// Returns the gravity (m/s^2) that acts on points whose gravity the user has not set.
+inline btVector3 gravityOf(const SoftBodyData& body) {
+  return static_cast<btScalar>(body.settings.gravityFactor) * body.world->getGravity();
+}
 
 /// Returns whether point i is attached to the object.
 inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {

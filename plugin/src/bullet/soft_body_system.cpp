@@ -153,6 +153,7 @@ Result<SoftBody*> SoftBodySystem::createBody(const SharedNetwork& network, const
   (*data)->shapes = &impl_->step->shapes;
   (*data)->worldLock = &impl_->step->lock;
   (*data)->links = &impl_->step->links;
+  (*data)->groupsStale = &impl_->step->groupsStale;
   (*data)->onPointsExposed = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::unique_ptr<SoftBody>(new SoftBody(std::move(*data))));

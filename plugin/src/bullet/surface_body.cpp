@@ -150,7 +150,7 @@ bool isOutOfSimulation(const SoftBodyData& body) {
 
 /// Replaces the gravity of each point when the world's has changed, as the world does for its own bodies.
 void updateGravity(SoftBodyData& body) {
-  const btVector3 gravity = body.world->getGravity();
+  const btVector3 gravity = gravityOf(body);
   if (gravity == body.surface.gravity) return;
   for (PointMass* point : body.masses.bodies)
     if (!(point->getFlags() & BT_DISABLE_WORLD_GRAVITY)) point->setGravity(gravity);
@@ -203,10 +203,9 @@ void addSurface(SoftBodyData& body) {
   s.object->setRestitution(static_cast<btScalar>(body.settings.restitution));
   s.object->setSleepingThresholds(static_cast<btScalar>(body.settings.sleepingSpeed),
                                   s.object->getAngularSleepingThreshold());
-  s.frame = body.settings.rotation.normalized();
   writeObject(body);
   s.sweptBounds = sweptBoundsOf(body, 0.0);
-  s.gravity = body.world->getGravity();
+  s.gravity = gravityOf(body);
   setBox(body);
   // calls the base class, because btDiscreteDynamicsWorld would move the object
   body.world->btCollisionWorld::addCollisionObject(s.object, body.settings.collisionGroup,
@@ -237,10 +236,10 @@ void exposePoints(SoftBodyData& body) {
   }
   if (body.masses.exposed || !body.alive) return;
   body.masses.exposed = true;
-  body.surface.force.setZero(3, body.state.position.cols());
+  if (body.surface.force.cols() == 0) body.surface.force.setZero(3, body.state.position.cols());
   // if the body is in no world, the world may no longer exist
   const bool inWorld = anyInWorld(body);
-  if (inWorld) body.surface.gravity = body.world->getGravity();
+  if (inWorld) body.surface.gravity = gravityOf(body);
   for (PointMass* point : body.masses.bodies) {
     if (body.surface.object) point->setFriction(body.surface.object->getFriction());
     point->setGravity(body.surface.gravity);
@@ -262,8 +261,39 @@ void collectForces(SoftBodyData& body) {
   }
 }
 
+void addForce(SoftBodyData& body, std::uint32_t i, const Eigen::Vector3d& force) {
+  SurfaceData& s = body.surface;
+  if (body.masses.exposed) {
+    if (PointMass* point = body.masses.bodies[i]) point->applyCentralForce(toBullet(force));
+    return;
+  }
+  if (s.newForce.cols() == 0) s.newForce.setZero(3, body.state.position.cols());
+  s.newForce.col(i) += force;
+  s.hasNewForce = true;
+}
+
+void takeForces(SoftBodyData& body) {
+  SurfaceData& s = body.surface;
+  if (!s.hasNewForce) return;
+  if (s.force.cols() == 0) s.force.setZero(3, body.state.position.cols());
+  s.force += s.newForce;
+  s.newForce.setZero();
+  s.hasNewForce = false;
+  // the system must detect the end of the step
+  if (!s.pushed) watchSteps(body);
+  s.pushed = true;
+}
+
+void forgetSearches(SoftBodyData& body) {
+  SurfaceData& s = body.surface;
+  s.motionValid = s.boxesValid = false;
+  for (CachedContact& contact : s.contacts) contact.partner = 0;
+  for (CachedSearch& search : s.searches) search.partner = nullptr;
+}
+
 void gatherSurface(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
+  takeForces(body);
   s.motionValid = s.boxesValid = false;
   s.object->keepCollisionFilter();
   readObject(body);
@@ -277,12 +307,16 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
     return restoreAccelerations(body);
   }
   body.masses.startPosition = body.state.position;
-  const btVector3 gravity = body.world->getGravity();
+  const btVector3 gravity = gravityOf(body);
   if (gravity != s.gravity) s.sweptBounds.tick = 0.0;
   s.gravity = gravity;
   const Eigen::Vector3d acceleration = toEigen(gravity);
   for (Eigen::Index i = 0; i < body.state.acceleration.cols(); ++i)
     body.state.acceleration.col(i) = acceleration;
+  if (s.force.cols() > 0 && !s.force.isZero(0.0)) {
+    body.state.acceleration += body.state.inverseMass.cwiseProduct(s.force);
+    s.sweptBounds.tick = 0.0;
+  }
   accelerateByObject(body);
   // without forces on the object all accelerations are gravity
   if (s.pushed || !isSound(gravity)) restoreAccelerations(body);

@@ -13,6 +13,8 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -122,6 +124,15 @@ void exposePoints(SoftBodyData& body);
 /// them.
 void collectForces(SoftBodyData& body);
 
+/// Adds a force (N) on point i, which acts in all ticks of the coming stepSimulation().
+void addForce(SoftBodyData& body, std::uint32_t i, const Eigen::Vector3d& force);
+
+/// Adds the forces of addForce() to `surface.force`.
+void takeForces(SoftBodyData& body);
+
+/// Discards the results of searches for contacts.
+void forgetSearches(SoftBodyData& body);
+
 /// Reads the object and the exposed points, and sets the accelerations from gravity and forces.
 void gatherSurface(SoftBodyData& body, btScalar tick);
 
@@ -151,6 +162,27 @@ void wakeSurface(SoftBodyData& body);
 // For its user the surface object is a rigid body with the mass, inertia and mean motion of the points that
 // are not held. A difference from the values last written to it comes from the user or from a constraint in
 // Bullet's solver. It moves all points as it would move a rigid body.
+
+/// The rigid body with the mass, inertia, momentum and angular momentum of the points that are not held.
+struct RigidFit {
+  double mass = 0.0;                                         ///< kg
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();          ///< m
+  Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
+  Eigen::Matrix3d factor = Eigen::Matrix3d::Zero();          ///< F with inverseInertia = F F^T
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        ///< m/s
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();            ///< rad/s
+};
+
+/// Fits a rigid body to the present positions and velocities.
+RigidFit fitRigid(SoftBodyData& body);
+
+/// Rotates SurfaceData::frame with the body and returns it.
+const Eigen::Quaterniond& followRotation(SoftBodyData& body);
+
+/// Turns the points about `from` (m), which goes to `to`. Velocity and angular velocity of the body as a
+/// whole do not change. `withPins`: pinned points move, too.
+void moveRigidly(SoftBodyData& body, const Eigen::Quaterniond& turn, const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& to, bool withPins);
 
 /// Writes the body's present pose and motion to the object. The object's basis rotates with the body.
 void writeObject(SoftBodyData& body);

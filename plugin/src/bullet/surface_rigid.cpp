@@ -28,18 +28,8 @@ using Eigen::Vector3d;
 /// rotation would be an impulse about the other axes.
 constexpr double kMinInertia = 1e-5;
 
-/// Number of iterations for the rotation of the body, which rotates little in a tick.
-constexpr int kRotationSteps = 4;
-
-/// The rigid body with the mass, inertia, momentum and angular momentum of the points that are not held.
-struct RigidFit {
-  double mass = 0.0;                           ///< kg
-  Vector3d center = Vector3d::Zero();          ///< m
-  Matrix3d inverseInertia = Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
-  Matrix3d factor = Matrix3d::Zero();          ///< F with inverseInertia = F F^T
-  Vector3d velocity = Vector3d::Zero();        ///< m/s
-  Vector3d spin = Vector3d::Zero();            ///< rad/s
-};
+/// Number of iterations for the rotation of a body: one that rotates little in a tick, and any.
+constexpr int kRotationSteps = 4, kManyRotationSteps = 200;
 
 template <class Visit>
 void forEachFree(const PointState& s, Visit visit) {
@@ -88,14 +78,11 @@ RigidFit fitRigid(const MotionSums& s, const Vector3d& from) {
   return fit;
 }
 
-/// Fits a rigid body to the present positions and velocities.
-RigidFit fitRigid(SoftBodyData& body) { return fitRigid(sumsOf(body), body.state.position.col(0)); }
-
 /// Rotates the object's frame with the body: returns the rotation that brings the network's rest shape
 /// nearest to the points, which have these moments (Mueller, Bender, Chentanez, Macklin, A robust method to
 /// extract the rotational part of deformations, 2016). It is also defined for ropes and cloths.
-Eigen::Quaterniond follow(const Matrix3d& moments, double meanSquare, Eigen::Quaterniond q) {
-  for (int step = 0; step < kRotationSteps; ++step) {
+Eigen::Quaterniond follow(const Matrix3d& moments, double meanSquare, Eigen::Quaterniond q, int steps) {
+  for (int step = 0; step < steps; ++step) {
     const Matrix3d r = q.toRotationMatrix();
     Vector3d turn = Vector3d::Zero();
     double along = 0.0;
@@ -164,22 +151,10 @@ bool isPinned(const SoftBodyData& body, Eigen::Index i) {
   return !point || point->isKinematicObject();
 }
 
-/// Moves all points that are not pinned. Velocity and angular velocity of the whole body do not change.
-void moveTo(SoftBodyData& body, const btTransform& pose) {
-  PointState& s = body.state;
-  const RigidFit fit = fitRigid(body);
+void moveObject(SoftBodyData& body, const btTransform& pose) {
   const btTransform& left = body.surface.left.pose;
   const Eigen::Quaterniond turn = toEigen(pose.getRotation()) * toEigen(left.getRotation()).conjugate();
-  const Vector3d from = toEigen(left.getOrigin()), to = toEigen(pose.getOrigin());
-  for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
-    if (isPinned(body, i)) continue;
-    const Vector3d arm = s.position.col(i) - fit.center;
-    const Vector3d own = s.velocity.col(i) - fit.velocity - fit.spin.cross(arm);
-    s.velocity.col(i) = fit.velocity + fit.spin.cross(turn * arm) + turn * own;
-    s.position.col(i) = to + turn * (s.position.col(i) - from);
-    body.masses.startPosition.col(i) = to + turn * (body.masses.startPosition.col(i) - from);
-  }
-  body.surface.frame = (turn * body.surface.frame).normalized();
+  moveRigidly(body, turn, toEigen(left.getOrigin()), toEigen(pose.getOrigin()), false);
   body.surface.shape->setPose(pose);
 }
 
@@ -207,11 +182,40 @@ void writeShared(SoftBodyData& body) {
 
 }  // namespace
 
+RigidFit fitRigid(SoftBodyData& body) { return fitRigid(sumsOf(body), body.state.position.col(0)); }
+
+const Eigen::Quaterniond& followRotation(SoftBodyData& body) {
+  const MotionSums& sums = sumsOf(body);
+  // the frame of a body with Collision::Points is not updated in each tick
+  const int steps = isSurfaceBody(body) ? kRotationSteps : kManyRotationSteps;
+  return body.surface.frame =
+             follow(Matrix3d(sums.moments), body.model->rest.meanSquare, body.surface.frame, steps);
+}
+
+void moveRigidly(SoftBodyData& body, const Eigen::Quaterniond& turn, const Vector3d& from, const Vector3d& to,
+                 bool withPins) {
+  PointState& s = body.state;
+  const RigidFit fit = fitRigid(body);
+  const Matrix3d r = turn.toRotationMatrix();
+  for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
+    if (!isPinned(body, i)) {
+      const Vector3d arm = s.position.col(i) - fit.center;
+      const Vector3d own = s.velocity.col(i) - fit.velocity - fit.spin.cross(arm);
+      s.velocity.col(i) = fit.velocity + fit.spin.cross(r * arm) + r * own;
+    } else if (!withPins) {
+      continue;
+    }
+    s.position.col(i) = to + r * (s.position.col(i) - from);
+    body.masses.startPosition.col(i) = to + r * (body.masses.startPosition.col(i) - from);
+  }
+  body.surface.frame = (turn * body.surface.frame).normalized();
+}
+
 void writeObject(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   btRigidBody& object = *s.object;
   const RigidFit fit = fitRigid(body);
-  s.frame = follow(Matrix3d(body.sums.moments), body.model->rest.meanSquare, s.frame);
+  followRotation(body);
   const btTransform pose(matrixToBullet(s.frame.toRotationMatrix()), toBullet(fit.center));
   object.setWorldTransform(pose);
   object.setInterpolationWorldTransform(pose);
@@ -240,7 +244,7 @@ void readObject(SoftBodyData& body, double drift) {
   }
   absorbOutsideChanges(body);
   const LeftObject left = body.surface.left;
-  if (!(object.getWorldTransform() == left.pose)) moveTo(body, object.getWorldTransform());
+  if (!(object.getWorldTransform() == left.pose)) moveObject(body, object.getWorldTransform());
   pushBy(body, difference(object.getLinearVelocity(), left.velocity),
          difference(object.getAngularVelocity(), left.spin), drift);
   body.sumsValid = false;

@@ -280,8 +280,11 @@ void SoftBodySystem::Impl::clearForcesOnNewStep() {
 /// Bullet's bodies. They are not lost if the user called synchronizeMotionStates() before a step.
 void SoftBodySystem::Impl::collectAppliedForces() {
   clearForcesOnNewStep();
-  for (auto& body : bodies)
-    if (isSurfaceBody(*body->data_) && body->data_->masses.exposed) collectForces(*body->data_);
+  for (auto& body : bodies) {
+    if (!isSurfaceBody(*body->data_)) continue;
+    takeForces(*body->data_);
+    if (body->data_->masses.exposed) collectForces(*body->data_);
+  }
 }
 
 void SoftBodySystem::Impl::tickMissed() {

@@ -76,8 +76,22 @@ void removePointMasses(SoftBodyData& body) {
   deletePointMasses(body);
 }
 
+namespace {
+
+/// Gives a point the gravity of the settings in place of the world's, which the world has already applied.
+void scaleGravity(PointMass& point, const btVector3& gravity) {
+  if ((point.getFlags() & BT_DISABLE_WORLD_GRAVITY) != 0 || point.getGravity() == gravity) return;
+  if (point.getInvMass() > btScalar(0))
+    point.applyCentralForce((gravity - point.getGravity()) / point.getInvMass());
+  point.setGravity(gravity);
+}
+
+}  // namespace
+
 void gatherWorldPoints(SoftBodyData& body, btScalar tick) {
   gatherPoints(body, tick, false);
+  if (body.settings.gravityFactor != 1.0)
+    for (PointMass* point : body.masses.bodies) scaleGravity(*point, gravityOf(body));
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     PointMass& point = *body.masses.bodies[i];
     if (!isSound(point.getTotalForce())) {

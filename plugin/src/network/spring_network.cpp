@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Checks that a spring network satisfies the conditions of its members.
+// Checks that a spring network satisfies the conditions of its members, and adds groups to it.
 
 #include <limber/spring_network.h>
 
@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -195,7 +197,52 @@ std::string checkRopeHasNoSurface(const SpringNetwork& network) {
                                                         : "a rope has no surface, skin or tetrahedra";
 }
 
+/// Checks that indices ascend and are below `count`.
+std::string checkMembers(const std::vector<std::uint32_t>& members, std::size_t count, const char* what) {
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (members[i] >= count) return " has " + numbered(what, members[i]) + " of " + std::to_string(count);
+    if (i > 0 && members[i] <= members[i - 1])
+      return " has " + numbered(what, members[i]) + " after " + std::to_string(members[i - 1]);
+  }
+  return {};
+}
+
+std::string checkGroups(const SpringNetwork& network) {
+  for (std::size_t i = 0; i < network.groups.size(); ++i) {
+    const NamedGroup& group = network.groups[i];
+    const auto same = [&](const NamedGroup& other) { return other.name == group.name; };
+    const auto here = network.groups.begin() + static_cast<std::ptrdiff_t>(i);
+    std::string reason;
+    if (group.name.empty())
+      reason = " has no name";
+    else if (std::any_of(network.groups.begin(), here, same))
+      reason = " has the name of an earlier one";
+    if (reason.empty()) reason = checkMembers(group.springs, network.springs.size(), "spring");
+    if (reason.empty()) reason = checkMembers(group.points, network.restPoints.size(), "point");
+    if (!reason.empty()) return numbered("group", i) + " (" + group.name + ")" + reason;
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<SharedNetwork> withGroup(const SpringNetwork& network, const std::string& name,
+                                std::vector<std::uint32_t> points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  const auto isMember = [&](std::uint32_t point) {
+    return std::binary_search(points.begin(), points.end(), point);
+  };
+  auto result = std::make_shared<SpringNetwork>(network);
+  NamedGroup group;
+  group.name = name;
+  for (std::uint32_t i = 0; i < network.springs.size(); ++i)
+    if (isMember(network.springs[i].a) && isMember(network.springs[i].b)) group.springs.push_back(i);
+  group.points = std::move(points);
+  result->groups.push_back(std::move(group));
+  if (std::string reason = checkGroups(*result); !reason.empty()) return Error{std::move(reason)};
+  return SharedNetwork(std::move(result));
+}
 
 Result<void> validate(const SpringNetwork& network) {
   const std::size_t points = network.restPoints.size();
@@ -211,6 +258,7 @@ Result<void> validate(const SpringNetwork& network) {
   if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);
   if (reason.empty()) reason = checkRender(network.render, points);
   if (reason.empty()) reason = checkRopeHasNoSurface(network);
+  if (reason.empty()) reason = checkGroups(network);
   return reason.empty() ? Result<void>() : Error{std::move(reason)};
 }
 

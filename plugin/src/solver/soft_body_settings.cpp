@@ -76,6 +76,21 @@ std::string checkPlacement(const SoftBodySettings& s) {
   return {};
 }
 
+Result<void> checkGroups(const std::vector<GroupSettings>& groups) {
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const GroupSettings& g = groups[i];
+    const Check checks[] = {
+        {"stiffness", g.stiffness, 0, 1e6, "from 0 to 1e6"},
+        {"damping", g.damping, 0, 1e6, "from 0 to 1e6"},
+        {"limitStrain", g.limitStrain, 1e-6, 1e6, "from 1e-6 to 1e6"},
+        {"mass", g.mass, 1e-3, 1e3, "from 1e-3 to 1e3"},
+    };
+    if (Result<void> valid = firstViolation(std::begin(checks), std::end(checks)); !valid)
+      return Error{"groups[" + std::to_string(i) + "]." + valid.error()};
+  }
+  return {};
+}
+
 }  // namespace
 
 SoftBodySettings SoftBodySettings::paper() {
@@ -103,6 +118,8 @@ Result<void> validate(const SoftBodySettings& s) {
       {"friction", s.friction, 0, 1e6, "from 0 to 1e6"},
       {"restitution", s.restitution, 0, 1, "from 0 to 1"},
       {"sleepingSpeed", s.sleepingSpeed, 0, 1e6, "from 0 to 1e6"},
+      {"gravityFactor", s.gravityFactor, -1e3, 1e3, "from -1000 to 1000"},
+      {"maxPinSpeed", s.maxPinSpeed, 1e-6, 1e6, "from 1e-6 to 1e6"},
       {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, double(Stepper::BandedNewton),
        "one of Stepper's"},
       {"stepping.minSubsteps", static_cast<double>(s.stepping.minSubsteps), 1, 1e4, "from 1 to 10000"},
@@ -116,7 +133,8 @@ Result<void> validate(const SoftBodySettings& s) {
       {"elasticLimit.yieldMaximum", s.elasticLimit.yieldMaximum, 0, 0.999, "from 0 to 0.999"},
       {"elasticLimit.breakStrain", s.elasticLimit.breakStrain, 0, 1e6, "from 0 to 1e6"},
   };
-  return firstViolation(std::begin(checks), std::end(checks));
+  if (Result<void> valid = firstViolation(std::begin(checks), std::end(checks)); !valid) return valid;
+  return checkGroups(s.groups);
 }
 
 Result<void> validate(const SpringSettings& s) {

@@ -51,17 +51,62 @@ std::vector<std::uint32_t> orderApart(const SpringNetwork& network) {
   return order;
 }
 
+// --- groups ------------------------------------------------------------------------------------------------
+
+namespace {
+
+const NamedGroup* findGroup(const SpringNetwork& network, const std::string& name) {
+  const auto same = [&](const NamedGroup& group) { return group.name == name; };
+  const auto it = std::find_if(network.groups.begin(), network.groups.end(), same);
+  return it != network.groups.end() ? &*it : nullptr;
+}
+
+}  // namespace
+
+GroupFactors::GroupFactors(const SpringNetwork& network, const std::vector<GroupSettings>& groups)
+    : stiffness(network.springs.size(), 1.0),
+      damping(stiffness),
+      limitStrain(stiffness),
+      mass(network.restPoints.size(), 1.0) {
+  for (const GroupSettings& settings : groups) {
+    const NamedGroup* group = findGroup(network, settings.name);
+    if (!group) continue;
+    for (const std::uint32_t i : group->springs) {
+      stiffness[i] *= settings.stiffness;
+      damping[i] *= settings.damping;
+      limitStrain[i] *= settings.limitStrain;
+    }
+    for (const std::uint32_t i : group->points) mass[i] *= settings.mass;
+  }
+}
+
+std::string checkGroups(const SpringNetwork& network, const std::vector<GroupSettings>& groups) {
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (findGroup(network, groups[i].name)) continue;
+    std::string known;
+    for (const NamedGroup& group : network.groups) known += (known.empty() ? "" : ", ") + group.name;
+    return "groups[" + std::to_string(i) + "].name is " + groups[i].name +
+           (known.empty() ? ", but the network has no groups" : ", must be one of the network's: " + known);
+  }
+  return {};
+}
+
+// --- springs -----------------------------------------------------------------------------------------------
+
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
   SpringConstants s;
+  const GroupFactors factors(network, settings.groups);
   for (const std::uint32_t i : orderApart(network)) {
     const NetworkSpring& spring = network.springs[i];
     const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
     s.a.push_back(spring.a);
     s.b.push_back(spring.b);
     s.restLength.push_back(d.cwiseProduct(settings.scale).norm());
-    s.extensionStiffness.push_back(settings.extensionStiffness * spring.stiffnessScale);
-    s.compressionStiffness.push_back(settings.compressionStiffness * spring.stiffnessScale);
-    s.damping.push_back(settings.damping * spring.stiffnessScale);
+    const double scale = spring.stiffnessScale * factors.stiffness[i];
+    s.extensionStiffness.push_back(settings.extensionStiffness * scale);
+    s.compressionStiffness.push_back(settings.compressionStiffness * scale);
+    s.damping.push_back(settings.damping * spring.stiffnessScale * factors.damping[i]);
+    if (!settings.groups.empty()) s.limitFactor.push_back(factors.limitStrain[i]);
   }
   for (const double length : s.restLength)
     if (length > 0.0) s.shortest = s.shortest > 0.0 ? std::min(s.shortest, length) : length;
@@ -118,6 +163,12 @@ void breakSpring(SpringArrays& springs, std::size_t i) {
   ++springs.broken;
 }
 
+/// Returns the length (m) to which the strains of spring i's limits refer.
+double limitLength(const SpringArrays& springs, std::size_t i) {
+  const std::vector<double>& factor = springs->limitFactor;
+  return factor.empty() ? springs.original->restLength[i] : factor[i] * springs.original->restLength[i];
+}
+
 bool isBroken(const SpringArrays& springs, std::size_t i) {
   return springs->extensionStiffness[i] == 0.0 && springs->compressionStiffness[i] == 0.0;
 }
@@ -125,7 +176,7 @@ bool isBroken(const SpringArrays& springs, std::size_t i) {
 /// Returns the rest length of a spring of this length: a new one if the strain exceeds the yield strain.
 double yieldedLength(const SpringArrays& springs, std::size_t i, double length) {
   const double original = springs.original->restLength[i], rest = springs->restLength[i];
-  const double largest = springs->limit.yieldStrain * original, elongation = length - rest;
+  const double largest = springs->limit.yieldStrain * limitLength(springs, i), elongation = length - rest;
   if (std::abs(elongation) <= largest) return rest;
   const double wanted = length - std::copysign(largest, elongation);
   const double change = springs->limit.yieldMaximum * original;
@@ -135,7 +186,8 @@ double yieldedLength(const SpringArrays& springs, std::size_t i, double length) 
 void updateLimits(SpringArrays& springs, std::size_t i, double length) {
   const ElasticLimit& limit = springs->limit;
   if (isBroken(springs, i)) return;
-  if (limit.breakStrain > 0.0 && length > (1.0 + limit.breakStrain) * springs.original->restLength[i])
+  const double elongation = length - springs.original->restLength[i];
+  if (limit.breakStrain > 0.0 && elongation > limit.breakStrain * limitLength(springs, i))
     breakSpring(springs, i);
   else if (limit.yieldStrain > 0.0)
     springs.yielded->restLength[i] = yieldedLength(springs, i, length);
@@ -166,7 +218,7 @@ void addLimitedForces(SpringArrays& springs, PointState& state) {
                                  springs->compressionStiffness[i]);
     if (limit.stiffenStrain > 0.0 && pull.force != 0.0) {
       const double e = d.norm() - springs->restLength[i];
-      const double beyond = std::abs(e) - limit.stiffenStrain * springs.original->restLength[i];
+      const double beyond = std::abs(e) - limit.stiffenStrain * limitLength(springs, i);
       if (beyond > 0.0) pull.force += pull.force / e * std::copysign((limit.stiffenFactor - 1.0) * beyond, e);
     }
     springs.direction.col(static_cast<Eigen::Index>(i)) = pull.direction;
@@ -197,11 +249,11 @@ double elasticEnergy(const SpringArrays& springs, const Points& position) {
     const double stretch = length - springs->restLength[i];
     const double stiffness =
         stretch > 0.0 ? springs->extensionStiffness[i] : springs->compressionStiffness[i];
-    energy += springs->limit.stiffenStrain > 0.0
-                  ? stiffenedEnergy(stiffness, stretch,
-                                    springs->limit.stiffenStrain * springs.original->restLength[i],
-                                    springs->limit.stiffenFactor)
-                  : 0.5 * stiffness * stretch * stretch;
+    energy +=
+        springs->limit.stiffenStrain > 0.0
+            ? stiffenedEnergy(stiffness, stretch, springs->limit.stiffenStrain * limitLength(springs, i),
+                              springs->limit.stiffenFactor)
+            : 0.5 * stiffness * stretch * stretch;
   }
   return energy;
 }

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace limber {
@@ -23,6 +24,7 @@ struct SpringConstants {
   std::vector<double> extensionStiffness;    ///< N/m while longer than restLength
   std::vector<double> compressionStiffness;  ///< N/m while shorter
   std::vector<double> damping;               ///< N s/m
+  std::vector<double> limitFactor;           ///< of the strains of `limit`; empty: 1
   bool damped = false;                       ///< whether any spring has damping
 
   double shortest = 0.0;  ///< m, smallest rest length above 0
@@ -48,6 +50,17 @@ struct SpringArrays {
   const SpringConstants* operator->() const { return yielded ? yielded.get() : &*original; }
   std::size_t size() const { return original->a.size(); }
 };
+
+/// The factors of a group apply to its members. Returns the products for all points and springs of a network.
+struct GroupFactors {
+  std::vector<double> stiffness, damping, limitStrain;  ///< #springs
+  std::vector<double> mass;                             ///< #points
+
+  GroupFactors(const SpringNetwork& network, const std::vector<GroupSettings>& groups);
+};
+
+/// Returns why the settings' groups do not suit the network, or an empty string.
+std::string checkGroups(const SpringNetwork& network, const std::vector<GroupSettings>& groups);
 
 /// Makes the springs of a body with these settings. Rest lengths are distances of the scaled rest points.
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings);
