@@ -174,7 +174,7 @@ TEST(NetworkFile, foreignFilesAreRefused) {
 
 TEST(NetworkFile, otherVersionsAreRefused) {
   Bytes bytes = toBytes(test::everyMemberNetwork());
-  for (const std::uint8_t version : {0, 3}) {
+  for (const std::uint8_t version : {std::uint8_t{0}, std::uint8_t{3}}) {
     bytes[8] = version;
     EXPECT_EQ(parse(bytes).error(), "a .limber file of version " + std::to_string(version) +
                                         ", this library reads versions 1 to 2");

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace limber {
@@ -48,6 +49,14 @@ class SoftBody {
   /// Returns false after the application has deleted or removed one of its point masses or its surface object
   /// (as the clean-up loop of Bullet's HelloWorld does). The springs then no longer act.
   bool alive() const;
+
+  // Of the user; the plugin does not read them. saveBodies() saves the name.
+  const std::string& name() const;
+  void setName(std::string name);
+  void* userPointer() const;  ///< nullptr at first
+  void setUserPointer(void* pointer);
+  int userIndex() const;  ///< -1 at first
+  void setUserIndex(int index);
 
   /// Returns the Bullet body of point i; nullptr if the application has deleted it, or if there is no such
   /// point. With Collision::Surface,
@@ -153,6 +162,18 @@ class SoftBody {
   /// Pushes all points within `radius` (m) away from `center`, as an explosion does: a point at the distance
   /// d gets the velocity speed (1 - d / radius) in addition; towards the centre if speed (m/s) is negative.
   Result<void> applyBlast(const btVector3& center, btScalar radius, btScalar speed);
+
+  // --- the state of the body
+
+  /// Returns the whole state as bytes: settings, positions, velocities, pins, masses, yielded and broken
+  /// springs, sleep, impulses of contacts. From restoreState() on a body of the same network continues as
+  /// this one, to the bit, in a world of the same objects with the same states. Anchors, single springs, and
+  /// forces for the coming step are not part of it. Takes about as long as reading all points; the searches
+  /// for contacts in the next tick take longer, because it also discards their caches.
+  std::vector<std::uint8_t> saveState();
+  /// Restores a state. Errors, with nothing changed: bytes that saveState() has not made, or that are
+  /// damaged; a body of another network or kind of collision.
+  Result<void> restoreState(const std::vector<std::uint8_t>& bytes);
 
   /// Returns the number of ticks in which a position, velocity or force of the body was not finite, or beyond
   /// 1e18. It is 0 unless the application has set such a value or the step has computed one. The points then

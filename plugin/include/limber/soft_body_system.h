@@ -10,9 +10,11 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 class btITaskScheduler;
 
@@ -83,6 +85,29 @@ class SoftBodySystem {
   /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards. Error: a body
   /// that does not, or no longer, belong to this system.
   Result<void> destroyBody(SoftBody* body);
+
+  /// Creates a body with the network, settings and state of another one of this world, also of another
+  /// system, with its SoftBody::transform() at `transform`. It has no anchors, springs, name or user data.
+  /// Errors, with nothing created: those of createBody(), saveState() and setTransform().
+  Result<SoftBody*> clone(SoftBody* body, const btTransform& transform);
+
+  // Saved states; SoftBody::saveState() says what they contain.
+
+  /// Return the state of all bodies and the settings of all springs, and restore it in a system that has as
+  /// many, made in the same order. Errors, with nothing changed: those of SoftBody::restoreState(), with the
+  /// number of the body; other numbers of bodies or springs.
+  std::vector<std::uint8_t> saveState();
+  Result<void> restoreState(const std::vector<std::uint8_t>& bytes);
+
+  /// Returns all living bodies with their networks, states and names, as bytes for a file. Bullet's
+  /// serializer also writes them: a `.bullet` file of world.serialize() has the soft bodies of all its
+  /// systems.
+  std::vector<std::uint8_t> saveBodies();
+  /// Creates the bodies in bytes of saveBodies(), or of a `.bullet` file; returns them in their order. In a
+  /// `.bullet` file that is the order of their objects in the world. Bullet's importers skip the objects of
+  /// soft bodies (btBulletWorldImporter prints that it does not know their shapes). Errors, with nothing
+  /// created: damaged bytes, and the errors of createBody().
+  Result<std::vector<SoftBody*>> loadBodies(const std::vector<std::uint8_t>& bytes);
 
   std::size_t bodyCount() const;
   /// Returns body i, in order of creation; nullptr if there is no such body.

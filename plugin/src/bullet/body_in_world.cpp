@@ -287,6 +287,15 @@ void wakeBody(SoftBodyData& body, bool insideTick) {
   body.calmTime = 0.0;
 }
 
+void putToSleep(SoftBodyData& body) {
+  body.asleep = true;
+  body.substeps = 0;
+  body.surface.partners.clear();
+  if (body.surface.object) body.surface.object->setActivationState(ISLAND_SLEEPING);
+  for (PointMass* point : body.masses.bodies)
+    if (point && body.masses.exposed) point->setActivationState(ISLAND_SLEEPING);
+}
+
 bool movesTooFast(SoftBodyData& body, btScalar tick) {
   return isSurfaceBody(body) ? anySurfacePointMoves(body, tick) : anyPointMoves(body, tick);
 }

@@ -45,6 +45,12 @@ void placeAsCreated(SoftBodyData& body);
 /// Returns the diagonal (m) of the bounding box of points.
 inline double extentOf(const Points& x) { return (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm(); }
 
+/// Brings the state up to date with the user's changes of Bullet's objects.
+void readFromBullet(SoftBodyData& body);
+
+/// Writes the state to Bullet's objects. Pins keep their targets unless they are moved, too.
+void writeToBullet(SoftBodyData& body, bool pinsMoved = false);
+
 /// Gives the body the constants of its model again, instead of softened ones, and resets what depends on
 /// them.
 void forgetConstants(SoftBodyData& body);
@@ -67,6 +73,9 @@ bool wholeInWorld(const SoftBodyData& body);
 
 /// Wakes the body. `insideTick`: also applies the gravity of this step, which it missed while asleep.
 void wakeBody(SoftBodyData& body, bool insideTick);
+
+/// Puts a body to sleep that was asleep before.
+void putToSleep(SoftBodyData& body);
 
 /// Returns whether the body moves too fast to sleep, see anyPointMoves().
 bool movesTooFast(SoftBodyData& body, btScalar tick);

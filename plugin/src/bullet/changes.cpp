@@ -45,14 +45,14 @@ Result<void> checkPush(const char* name, const btVector3& v) {
 
 // --- the present state -------------------------------------------------------------------------------------
 
-/// Brings the state up to date with the user's changes of Bullet's objects.
+}  // namespace
+
 void readFromBullet(SoftBodyData& body) {
   readObject(body);
   absorbOutsideChanges(body);
 }
 
-/// Writes the state to Bullet's objects, pins included if they have been moved.
-void writeToBullet(SoftBodyData& body, bool pinsMoved = false) {
+void writeToBullet(SoftBodyData& body, bool pinsMoved) {
   body.sumsValid = false;
   // the prediction is out of date
   body.surface.sweptBounds.tick = 0.0;
@@ -63,6 +63,8 @@ void writeToBullet(SoftBodyData& body, bool pinsMoved = false) {
   }
   if (body.surface.object) writeObject(body);
 }
+
+namespace {
 
 /// The place of a body as a whole: its centre of mass, and the rotation that brings the rest shape nearest to
 /// the points. Pinned points count.
@@ -316,12 +318,6 @@ void scaleShape(SoftBodyData& body, const Vector3d& ratio) {
   }
 }
 
-bool isBroken(const SpringArrays& springs, std::size_t i) {
-  const SpringConstants& whole = *springs.original;
-  return springs->extensionStiffness[i] == 0.0 && springs->compressionStiffness[i] == 0.0 &&
-         (whole.extensionStiffness[i] > 0.0 || whole.compressionStiffness[i] > 0.0);
-}
-
 /// Takes over constants of a new model. Springs that have yielded keep the strain of that; broken ones stay
 /// broken.
 void takeConstants(SoftBodyData& body) {
@@ -329,13 +325,10 @@ void takeConstants(SoftBodyData& body) {
   springs.revision = body.springs.revision + 1;
   if (const SpringConstants* old = body.springs.yielded.get()) {
     springs.yielded = std::make_shared<SpringConstants>(*springs.original);
-    springs.broken = body.springs.broken;
     for (std::size_t i = 0; i < springs.size(); ++i) {
       const double before = body.springs.original->restLength[i];
       if (before > 0.0) springs.yielded->restLength[i] *= old->restLength[i] / before;
-      if (isBroken(body.springs, i))
-        springs.yielded->extensionStiffness[i] = springs.yielded->compressionStiffness[i] =
-            springs.yielded->damping[i] = 0.0;
+      if (isBroken(body.springs, i)) breakSpring(springs, i);
     }
   }
   body.springs = std::move(springs);

@@ -52,6 +52,18 @@ void setConstants(SoftBodyData& body, const ElasticConstants& constants) {
   body.frequencyStale = true;
 }
 
+}  // namespace
+
+void softenTo(SoftBodyData& body, double largest, const Points& inverseMass) {
+  const BodyModel& model = *body.model;
+  const ElasticConstants full{model.springs.original, model.volumes.constants, model.tetrahedra.constants};
+  const Points rest = scaledRest(*model.network, body.settings.scale);
+  body.softening = largest > 0.0 ? model.softening->of(full, rest, inverseMass, largest) : nullptr;
+  setConstants(body, body.softening ? body.softening->constants : full);
+}
+
+namespace {
+
 /// Softens the body so that its fastest oscillation is at most `wanted` (rad^2/s^2), or ends this with 0.
 /// Does nothing while the masses stay and the present constants are soft enough: a shorter tick must not make
 /// a stretched body stiffer, which would give it energy.
@@ -59,11 +71,7 @@ void soften(SoftBodyData& body, double wanted) {
   const double present = body.softening ? body.softening->largest : 0.0;
   const double largest = body.softening ? std::min(present, wanted) : wanted;
   if (largest == present && !(body.frequencyStale && body.softening)) return;
-  const BodyModel& model = *body.model;
-  const ElasticConstants full{model.springs.original, model.volumes.constants, model.tetrahedra.constants};
-  const Points rest = scaledRest(*model.network, body.settings.scale);
-  body.softening = largest > 0.0 ? model.softening->of(full, rest, body.state.inverseMass, largest) : nullptr;
-  setConstants(body, body.softening ? body.softening->constants : full);
+  softenTo(body, largest, body.state.inverseMass);
 }
 
 /// (omega dt)^2 of what a budget resolves. The energy of an oscillation that Verlet computes varies by the

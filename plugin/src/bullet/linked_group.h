@@ -93,6 +93,10 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
 
 // --- stepping ----------------------------------------------------------------------------------------------
 
+/// Gives the body the constants whose fastest oscillation, with these inverse masses (3 x #points, 1/kg), is
+/// at most `largest` (rad^2/s^2); 0: its full stiffness.
+void softenTo(SoftBodyData& body, double largest, const Points& inverseMass);
+
 /// Softens bodies and links for this tick so that maxSubsteps resolve them. Call it before islands are made,
 /// which have copies of the links.
 void keepBudget(LinkedGroup& group, double tick);

@@ -6,6 +6,7 @@
 #include "bullet/point_masses.h"
 
 #include "bullet/bullet_objects.h"
+#include "bullet/saved_state.h"
 #include "bullet/soft_body_data.h"
 #include "solver/springs.h"
 
@@ -33,6 +34,13 @@ bool PointMass::checkCollideWithOverride(const btCollisionObject* other) const {
   const PointMass* point = from(other);
   if (point && point->owner_ == owner_ && owner_) return false;
   return btRigidBody::checkCollideWithOverride(other);
+}
+
+const char* PointMass::serialize(void* data, btSerializer* serializer) const {
+  if (owner_ && owner_->alive && index_ == 0) writeChunk(*owner_, *serializer);
+  const char* type = btRigidBody::serialize(data, serializer);
+  static_cast<btRigidBodyData*>(data)->m_collisionObjectData.m_collisionShape = nullptr;
+  return type;
 }
 
 // --- the points of one body --------------------------------------------------------------------------------

@@ -33,6 +33,10 @@ class PointMass final : public OwnBody<PointMass> {
   /// filter needs no collision group. Bullet's dispatcher may call it from several threads, so it only reads.
   bool checkCollideWithOverride(const btCollisionObject* other) const override;
 
+  /// Point 0 also writes the soft body, for SoftBodySystem::loadBodies(). The objects get no shape in the
+  /// file, so that Bullet's importer skips them.
+  const char* serialize(void* data, btSerializer* serializer) const override;
+
   /// Enables checkCollideWithOverride(). Bullet calls it only while this flag is set, and clears the flag
   /// when the last constraint on the body is removed (btCollisionObject::setIgnoreCollisionCheck).
   void keepCollisionFilter() { m_checkCollideWith = 1; }

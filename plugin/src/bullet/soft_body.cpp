@@ -42,6 +42,12 @@ std::uint32_t SoftBody::pointCount() const {
   return static_cast<std::uint32_t>(data_->model->network->restPoints.size());
 }
 bool SoftBody::alive() const { return data_->alive; }
+const std::string& SoftBody::name() const { return data_->name; }
+void SoftBody::setName(std::string name) { data_->name = std::move(name); }
+void* SoftBody::userPointer() const { return data_->userPointer; }
+void SoftBody::setUserPointer(void* pointer) { data_->userPointer = pointer; }
+int SoftBody::userIndex() const { return data_->userIndex; }
+void SoftBody::setUserIndex(int index) { data_->userIndex = index; }
 
 btRigidBody* SoftBody::point(std::uint32_t i) const {
   if (i >= pointCount()) return nullptr;

@@ -30,6 +30,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 namespace limber {
@@ -192,6 +193,9 @@ struct SoftBodyData {
   std::shared_ptr<const BodyModel> model;
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
+  std::string name;  ///< the user's, like the next two
+  void* userPointer = nullptr;
+  int userIndex = -1;
   btDiscreteDynamicsWorld* world = nullptr;
   SharedModels* models = nullptr;   ///< of its system
   bool* groupsStale = nullptr;      ///< of the world's step: linked groups must be made again

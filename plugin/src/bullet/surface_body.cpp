@@ -8,6 +8,7 @@
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
+#include "bullet/saved_state.h"
 #include "bullet/soft_body_data.h"
 
 #include <cmath>
@@ -105,6 +106,11 @@ SurfaceObject::SurfaceObject(SoftBodyData* owner)
 
 SurfaceObject::~SurfaceObject() {
   if (owner_) forgetDeletedSurface(*owner_);
+}
+
+const char* SurfaceObject::serialize(void* data, btSerializer* serializer) const {
+  if (owner_ && owner_->alive) writeChunk(*owner_, *serializer);
+  return btRigidBody::serialize(data, serializer);
 }
 
 bool SurfaceObject::mayTouch(const btCollisionObject& other) const {

@@ -41,6 +41,10 @@ class SurfaceObject final : public OwnBody<SurfaceObject> {
   /// Returns false, so that Bullet's dispatcher makes no contacts with the object. Only reads.
   bool checkCollideWithOverride(const btCollisionObject*) const override { return false; }
 
+  /// Also writes the soft body, for SoftBodySystem::loadBodies(). Bullet's importer skips the object itself,
+  /// because it does not know the type of its shape.
+  const char* serialize(void* data, btSerializer* serializer) const override;
+
   /// Enables checkCollideWithOverride(), see PointMass::keepCollisionFilter().
   void keepCollisionFilter() { m_checkCollideWith = 1; }
 

@@ -216,8 +216,11 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
     source.body->storedImpulses.push_back(
         {source.partner.id, source.partner.object, source.key, {along, c.impulse.sum - along * c.normal}});
   }
-  for (SoftBodyData* body : bodies)
-    std::sort(body->storedImpulses.begin(), body->storedImpulses.end(), isBefore);
+  for (SoftBodyData* body : bodies) sortImpulses(body->storedImpulses);
+}
+
+void sortImpulses(std::vector<StoredImpulse>& impulses) {
+  std::sort(impulses.begin(), impulses.end(), isBefore);
 }
 
 // --- points of manifolds -----------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftBodyData;
+struct StoredImpulse;
 
 // --- rigid bodies that take part ---------------------------------------------------------------------------
 
@@ -117,6 +118,9 @@ void warmStart(TickContacts& contacts);
 
 /// Stores the impulses of these contacts, after the step. `bodies`: all bodies of the world's systems.
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts);
+
+/// Brings impulses into the order in which warmStart() searches them.
+void sortImpulses(std::vector<StoredImpulse>& impulses);
 
 // --- contacts of rigid bodies ------------------------------------------------------------------------------
 

@@ -63,6 +63,10 @@ std::uint32_t versionOf(const std::uint8_t* header) {
   return readLittleEndian<std::uint32_t>(header + kVersionAt);
 }
 
+std::size_t sealedSize(const std::uint8_t* header) {
+  return kHeaderBytes + static_cast<std::size_t>(readLittleEndian<std::uint64_t>(header + kSizeAt));
+}
+
 std::string checkHeader(const SealedFormat& format, const std::uint8_t* header, std::uint64_t fileSize) {
   const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(fileSize, kHeaderBytes));
   const std::size_t start = std::min(size, format.magic.size());

@@ -220,8 +220,9 @@ std::string checkHeader(const SealedFormat& format, const std::uint8_t* header, 
 /// Returns why the bytes are not valid, or an empty string. Also checks the hash.
 std::string checkSealed(const SealedFormat& format, const std::uint8_t* bytes, std::size_t size);
 
-/// Returns the version in a valid header.
+/// Return the version, and the size of header and contents, that a header states.
 std::uint32_t versionOf(const std::uint8_t* header);
+std::size_t sealedSize(const std::uint8_t* header);
 
 // --- files -------------------------------------------------------------------------------------------------
 

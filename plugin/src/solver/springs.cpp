@@ -156,6 +156,18 @@ void separateCoincident(const SpringArrays& springs, PointState& state) {
 
 namespace {
 
+/// Returns the length (m) to which the strains of spring i's limits refer.
+double limitLength(const SpringArrays& springs, std::size_t i) {
+  const std::vector<double>& factor = springs->limitFactor;
+  return factor.empty() ? springs.original->restLength[i] : factor[i] * springs.original->restLength[i];
+}
+
+bool hasNoStiffness(const SpringConstants& springs, std::size_t i) {
+  return springs.extensionStiffness[i] == 0.0 && springs.compressionStiffness[i] == 0.0;
+}
+
+}  // namespace
+
 void breakSpring(SpringArrays& springs, std::size_t i) {
   SpringConstants& s = *springs.yielded;
   s.extensionStiffness[i] = s.compressionStiffness[i] = s.damping[i] = 0.0;
@@ -163,15 +175,11 @@ void breakSpring(SpringArrays& springs, std::size_t i) {
   ++springs.broken;
 }
 
-/// Returns the length (m) to which the strains of spring i's limits refer.
-double limitLength(const SpringArrays& springs, std::size_t i) {
-  const std::vector<double>& factor = springs->limitFactor;
-  return factor.empty() ? springs.original->restLength[i] : factor[i] * springs.original->restLength[i];
+bool isBroken(const SpringArrays& springs, std::size_t i) {
+  return springs.yielded && hasNoStiffness(*springs.yielded, i) && !hasNoStiffness(*springs.original, i);
 }
 
-bool isBroken(const SpringArrays& springs, std::size_t i) {
-  return springs->extensionStiffness[i] == 0.0 && springs->compressionStiffness[i] == 0.0;
-}
+namespace {
 
 /// Returns the rest length of a spring of this length: a new one if the strain exceeds the yield strain.
 double yieldedLength(const SpringArrays& springs, std::size_t i, double length) {
@@ -185,7 +193,7 @@ double yieldedLength(const SpringArrays& springs, std::size_t i, double length) 
 
 void updateLimits(SpringArrays& springs, std::size_t i, double length) {
   const ElasticLimit& limit = springs->limit;
-  if (isBroken(springs, i)) return;
+  if (hasNoStiffness(*springs.yielded, i)) return;
   const double elongation = length - springs.original->restLength[i];
   if (limit.breakStrain > 0.0 && elongation > limit.breakStrain * limitLength(springs, i))
     breakSpring(springs, i);

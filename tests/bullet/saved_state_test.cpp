@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Zlib
+// Saved states continue to the bit: in the same world, in a new one, and through files.
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/limber.h>
+
+#include <LinearMath/btSerializer.h>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::vec;
+using Bytes = std::vector<std::uint8_t>;
+
+SoftBodySettings at(double x, double y, double z) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {x, y, z};
+  return s;
+}
+
+/// A floor, a static ball, and bodies of all kinds that fall on them and on each other.
+struct Scene {
+  explicit Scene(bool withBodies = true) : system(*bullet.world) {
+    bullet.addBoxFloor();
+    bullet.add(std::make_unique<btSphereShape>(btScalar(0.5)), 0.0, vec(3, 0.3, 0));
+    if (!withBodies) return;
+    const SharedNetwork cube = test::closedCubeNetwork();
+    SoftBodySettings s = at(0, 0.8, 0);
+    s.angularVelocity = {1, 2, 3};
+    add(cube, s);
+    s = at(0.3, 2.0, 0.2);
+    s.pressure = 50.0;
+    add(cube, s);
+    add(cube, at(3, 2.0, 0.1));
+    s = at(-3, 1.0, 0);
+    s.elasticLimit.yieldStrain = 0.01;
+    s.elasticLimit.breakStrain = 0.1;
+    s.linearVelocity = {0, -8, 0};
+    add(cube, s);
+    s = at(-6, 1.0, 0);
+    s.extensionStiffness = s.compressionStiffness = 1e6;
+    s.stepping.maxSubsteps = 10;
+    add(test::tetrahedralCubeNetwork(), s);
+    s = at(6, 3.0, 0);
+    s.extensionStiffness = s.compressionStiffness = 1e7;
+    s.stepping.stepper = Stepper::BandedNewton;
+    add(*buildRope({2.0, 10, 0.1}), s);
+    system.body(5)->pin(0);
+    add(*buildCloth({2.0, 2.0, 6, 6, 0.5, 0.1}), at(0, 4.0, 3));
+    for (const std::uint32_t corner : {0u, 6u}) system.body(6)->pin(corner);
+    // far from contacts, calm from the start
+    s = at(20, 20, 20);
+    s.gravityFactor = 0.0;
+    add(cube, s);
+    SpringSettings spring;
+    spring.stiffness = 30.0;
+    EXPECT_TRUE(system.addSpring({system.body(0)->point(0)}, {system.body(1)->point(3)}, spring));
+  }
+  void add(const SharedNetwork& network, const SoftBodySettings& s) {
+    const auto body = system.createBody(network, s);
+    ASSERT_TRUE(body) << body.error();
+  }
+  void tick(int i) {
+    if (system.bodyCount() > 5) system.body(5)->movePin(0, vec(6 + 0.005 * i, 3, 0));
+    bullet.tick();
+  }
+  std::vector<std::uint64_t> hashes() const {
+    std::vector<std::uint64_t> all;
+    for (std::size_t i = 0; i < system.bodyCount(); ++i) all.push_back(system.body(i)->stateHash());
+    return all;
+  }
+
+  BulletWorld bullet;
+  SoftBodySystem system;
+};
+
+constexpr int kSavedAt = 40, kEnd = 140, kLate = 260;
+
+TEST(SavedState, rollingBackRepeatsTheSameMotion) {
+  Scene scene;
+  for (int i = 0; i < kSavedAt; ++i) scene.tick(i);
+  const Bytes state = scene.system.saveState();
+  std::vector<std::vector<std::uint64_t>> first;
+  for (int i = kSavedAt; i < kLate; ++i) {
+    scene.tick(i);
+    first.push_back(scene.hashes());
+  }
+  EXPECT_TRUE(scene.system.body(7)->sleeping());
+  for (int run = 0; run < 2; ++run) {
+    const Result<void> restored = scene.system.restoreState(state);
+    ASSERT_TRUE(restored) << restored.error();
+    for (int i = kSavedAt; i < kLate; ++i) {
+      scene.tick(i);
+      ASSERT_EQ(scene.hashes(), first[static_cast<std::size_t>(i - kSavedAt)])
+          << "tick " << i << ", run " << run;
+    }
+  }
+}
+
+TEST(SavedState, aNewWorldContinues) {
+  Scene old, fresh;
+  for (int i = 0; i < kSavedAt; ++i) old.tick(i);
+  const Bytes state = old.system.saveState();
+  ASSERT_TRUE(fresh.system.restoreState(state));
+  EXPECT_EQ(fresh.hashes(), old.hashes());
+  EXPECT_EQ(fresh.system.saveState(), state);
+  for (int i = kSavedAt; i < kEnd; ++i) {
+    old.tick(i);
+    fresh.tick(i);
+    ASSERT_EQ(fresh.hashes(), old.hashes()) << "tick " << i;
+  }
+}
+
+TEST(SavedState, sleepYieldAndBreaksAreKept) {
+  Scene old, fresh;
+  for (int i = 0; i < kLate; ++i) old.tick(i);
+  ASSERT_TRUE(old.system.body(7)->sleeping());
+  ASSERT_TRUE(fresh.system.restoreState(old.system.saveState()));
+  for (std::size_t i = 0; i < old.system.bodyCount(); ++i) {
+    EXPECT_EQ(fresh.system.body(i)->sleeping(), old.system.body(i)->sleeping()) << i;
+    EXPECT_EQ(fresh.system.body(i)->elasticEnergy(), old.system.body(i)->elasticEnergy()) << i;
+    EXPECT_EQ(fresh.system.body(i)->softening(), old.system.body(i)->softening()) << i;
+  }
+  EXPECT_LT(fresh.system.body(4)->softening(), 1.0);
+}
+
+TEST(SavedState, ofOneBodyLeavesTheOthersAlone) {
+  Scene scene;
+  const Bytes start = scene.system.body(2)->saveState();
+  const std::vector<std::uint64_t> atStart = scene.hashes();
+  for (int i = 0; i < kSavedAt; ++i) scene.tick(i);
+  const std::vector<std::uint64_t> later = scene.hashes();
+  ASSERT_TRUE(scene.system.body(2)->restoreState(start));
+  for (std::size_t i = 0; i < later.size(); ++i)
+    EXPECT_EQ(scene.system.body(i)->stateHash(), i == 2 ? atStart[i] : later[i]) << i;
+}
+
+TEST(SavedState, changedSettingsAndMassesAreRestored) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+  body->point(3)->setMassProps(btScalar(2), btVector3(0, 0, 0));
+  body->pin(1);
+  SoftBodySettings s = body->settings();
+  s.extensionStiffness = 77.0;
+  s.friction = 0.25;
+  ASSERT_TRUE(body->change(s));
+  const double mass = body->totalMass();
+  const Bytes state = body->saveState();
+  ASSERT_TRUE(body->unpin(1));
+  ASSERT_TRUE(body->change(test::testedSettings()));
+  body->point(3)->setMassProps(btScalar(1), btVector3(0, 0, 0));
+  ASSERT_TRUE(body->restoreState(state));
+  EXPECT_DOUBLE_EQ(body->settings().extensionStiffness, 77.0);
+  EXPECT_TRUE(body->pinned(1));
+  EXPECT_DOUBLE_EQ(body->totalMass(), mass);
+  EXPECT_FLOAT_EQ(float(body->point(0)->getFriction()), 0.25f);
+}
+
+TEST(SavedState, damagedBytesAreRefusedAndChangeNothing) {
+  Scene scene;
+  for (int i = 0; i < 10; ++i) scene.tick(i);
+  SoftBody* body = scene.system.body(3);
+  const Bytes state = body->saveState();
+  const std::uint64_t hash = body->stateHash();
+  for (std::size_t size = 0; size < state.size(); size += 7)
+    EXPECT_FALSE(body->restoreState(Bytes(state.begin(), state.begin() + std::ptrdiff_t(size)))) << size;
+  for (std::size_t i = 0; i < state.size(); i += 3) {
+    Bytes damaged = state;
+    damaged[i] ^= 0x40;
+    EXPECT_FALSE(body->restoreState(damaged)) << i;
+  }
+  EXPECT_EQ(body->stateHash(), hash);
+  EXPECT_EQ(scene.system.body(4)->restoreState(state).error(),
+            "the saved state is of a body of another network");
+  EXPECT_EQ(scene.system.restoreState(state).error(),
+            "not a saved state of a system: it does not begin with the bytes of one");
+  BulletWorld other;
+  SoftBodySystem empty(*other.world);
+  EXPECT_EQ(empty.restoreState(scene.system.saveState()).error(),
+            "the saved state has 8 bodies, the system 0");
+}
+
+TEST(SavedState, aCloneMovesLikeTheOriginal) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.elasticLimit.yieldStrain = 0.05;
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  ASSERT_TRUE(body->setVelocity(vec(0, 0, 0), vec(3, 0, 0)));
+  bullet.simulate(0.2);
+  btTransform there = body->transform();
+  there.setOrigin(there.getOrigin() + vec(8, 0, 0));
+  const auto copy = system.clone(body, there);
+  ASSERT_TRUE(copy) << copy.error();
+  bullet.simulate(0.5);
+  for (std::uint32_t i = 0; i < body->pointCount(); ++i)
+    // the floats of Bullet round more 8 m away
+    EXPECT_LT(((*copy)->position(i) - body->position(i) - Eigen::Vector3d(8, 0, 0)).norm(), 1e-5) << i;
+  EXPECT_NEAR((*copy)->elasticEnergy(), body->elasticEnergy(), 1e-4 * body->elasticEnergy());
+}
+
+// --- files -------------------------------------------------------------------------------------------------
+
+/// Bodies without springs between them: these are not part of a file.
+void expectEqualContinuation(Scene& old, Scene& loaded) {
+  ASSERT_EQ(loaded.hashes(), old.hashes());
+  for (int i = kSavedAt; i < kEnd; ++i) {
+    old.tick(i);
+    loaded.tick(i);
+    ASSERT_EQ(loaded.hashes(), old.hashes()) << "tick " << i;
+  }
+}
+
+struct Unlinked : Scene {
+  Unlinked() {
+    system.forget(*system.body(0)->point(0));
+    system.body(2)->setName("on the ball");
+  }
+};
+
+TEST(SavedBodies, continueInAnotherWorld) {
+  Unlinked old;
+  Scene loaded(false);
+  for (int i = 0; i < kSavedAt; ++i) old.tick(i);
+  const auto bodies = loaded.system.loadBodies(old.system.saveBodies());
+  ASSERT_TRUE(bodies) << bodies.error();
+  ASSERT_EQ(bodies->size(), old.system.bodyCount());
+  EXPECT_EQ((*bodies)[2]->name(), "on the ball");
+  EXPECT_EQ((*bodies)[0]->sharedNetwork(), (*bodies)[1]->sharedNetwork());
+  expectEqualContinuation(old, loaded);
+}
+
+TEST(SavedBodies, areInBulletsFiles) {
+  Unlinked old;
+  for (int i = 0; i < kSavedAt; ++i) old.tick(i);
+  btDefaultSerializer serializer;
+  old.bullet.world->serialize(&serializer);
+  const std::uint8_t* file = serializer.getBufferPointer();
+  const Bytes bytes(file, file + serializer.getCurrentBufferSize());
+  Scene loaded(false);
+  const auto bodies = loaded.system.loadBodies(bytes);
+  ASSERT_TRUE(bodies) << bodies.error();
+  ASSERT_EQ(bodies->size(), old.system.bodyCount());
+  EXPECT_EQ((*bodies)[2]->name(), "on the ball");
+  expectEqualContinuation(old, loaded);
+}
+
+TEST(SavedBodies, damagedFilesAreRefusedAndCreateNothing) {
+  Unlinked old;
+  const Bytes bytes = old.system.saveBodies();
+  Scene loaded(false);
+  for (std::size_t size = 0; size < bytes.size(); size += 977)
+    EXPECT_FALSE(loaded.system.loadBodies(Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size))));
+  for (std::size_t i = 0; i < bytes.size(); i += 531) {
+    Bytes damaged = bytes;
+    damaged[i] ^= 1;
+    EXPECT_FALSE(loaded.system.loadBodies(damaged)) << i;
+  }
+  EXPECT_EQ(loaded.system.loadBodies({}).error(), "not a file of soft bodies: it is empty");
+  EXPECT_EQ(loaded.system.bodyCount(), 0u);
+}
+
+}  // namespace
+}  // namespace limber
