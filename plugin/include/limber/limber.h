@@ -25,3 +25,4 @@
 #include <limber/soft_body_system.h>
 #include <limber/spring_constraint.h>
 #include <limber/spring_network.h>
+#include <limber/surroundings.h>

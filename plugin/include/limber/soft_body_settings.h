@@ -5,6 +5,7 @@
 
 #include <limber/result.h>
 #include <limber/spring_network.h>
+#include <limber/surroundings.h>
 
 #include <Eigen/Geometry>
 
@@ -130,6 +131,8 @@ struct SoftBodySettings {
                                ///< gets there in several ticks. teleportPin() has no limit
 
   std::vector<GroupSettings> groups;  ///< for groups of the network; all others have factors of 1
+
+  FlowCoefficients flow;  ///< drag in air and water
 
   Stepping stepping;
   ElasticLimit elasticLimit;

@@ -6,6 +6,7 @@
 #include <limber/result.h>
 #include <limber/soft_body.h>
 #include <limber/spring_constraint.h>
+#include <limber/surroundings.h>
 
 #include <btBulletDynamicsCommon.h>
 
@@ -13,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -137,6 +139,23 @@ class SoftBodySystem {
 
   /// Removes all springs and anchors on a rigid body. Call it before deleting a body that has any.
   void forget(const btRigidBody& body);
+
+  // --- surroundings (surroundings.h), between steps. A change wakes the bodies that it may act on. ---
+
+  /// Sets the air and the wind in it. Default: still air of 1.2 kg/m^3, in which ropes and cloths have drag
+  /// and solids have none (SoftBodySettings::flow). Error: an invalid field.
+  Result<void> setAir(const Air& air);
+  /// Sets the water; std::nullopt (the default) for none. Error: an invalid field.
+  Result<void> setWater(const std::optional<Water>& water);
+  const Air& air() const;
+  const std::optional<Water>& water() const;
+
+  /// Adds a field that acts on one body, or with nullptr on all bodies of the system, also on later ones. It
+  /// is removed with its body. Returns its number. Errors: an empty function, a body that is not of this
+  /// system.
+  Result<std::uint64_t> addField(ForceField field, SoftBody* body = nullptr);
+  /// Removes a field. Error: no such field.
+  Result<void> removeField(std::uint64_t field);
 
   /// Removes all bodies and springs and restores the world's original state.
   void removeAll();

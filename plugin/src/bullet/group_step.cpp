@@ -295,6 +295,7 @@ void endEnergyLimit(LinkedGroup& group, double tick) {
         massOf(body.state.inverseMass, i) *
         body.state.acceleration.col(i).dot(body.state.position.col(i) - body.masses.startPosition.col(i));
   SolverBody& stepped = group.step.bodies[0];
+  if (stepped.drag) limit.bound += stepped.drag->work;
   limit.atEnd = energyOf(stepped);
   const double excess = limit.atEnd - limit.bound;
   if (!(excess > 0.0)) return;
@@ -385,6 +386,9 @@ void chooseStepping(LinkedGroup& group, double tick) {
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
   startEnergyLimit(group, tick);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i)
+    if (PointDrag* drag = group.step.bodies[i].drag)
+      drag->measured = group.inIsland || group.bodies[i]->energyLimit.on;
   // other bodies may move it farther than was predicted for the body alone
   const bool together = group.inIsland || !isPlain(group.step);
   for (SoftBodyData* body : group.bodies) {

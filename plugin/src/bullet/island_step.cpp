@@ -105,9 +105,10 @@ double energyOf(SolverIsland& step) {
   return sum;
 }
 
-/// Returns the work (J) of the constant accelerations in the tick.
-double workOfAccelerations(const Island& island) {
+/// Returns the work (J) of the constant accelerations and of drag in the tick.
+double workOfSurroundings(const Island& island) {
   double work = 0.0;
+  for (const SolverBody& body : island.step.bodies) work += body.drag ? body.drag->work : 0.0;
   for (const SoftBodyData* body : island.softBodies) {
     const PointState& s = body->state;
     const Points displacement = s.position - body->masses.startPosition;
@@ -173,7 +174,7 @@ void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
 
 /// Removes the increase of the energy in the tick from the motion, as far as joints have caused it.
 void limitEnergy(Island& island, const TickContacts& found, double energyBefore) {
-  const double increase = energyOf(island.step) - energyBefore - workOfAccelerations(island);
+  const double increase = energyOf(island.step) - energyBefore - workOfSurroundings(island);
   const double excess = std::min(increase, workOfRecoveries(island, found));
   if (!(excess > 0.0)) return;
   const CommonMotion motion = commonMotion(island.step);

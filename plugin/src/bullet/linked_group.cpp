@@ -244,7 +244,10 @@ bool isWhole(const LinkedGroup& group) {
 }
 
 void gatherBodies(LinkedGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) gatherBody(*body, tick);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    gatherBody(*group.bodies[i], tick);
+    group.step.bodies[i].drag = surroundBody(*group.bodies[i], double(tick));
+  }
 }
 
 void updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "bullet/body_medium.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
@@ -161,6 +162,7 @@ struct BodyModel {
   TetrahedronVolumes tetrahedra;
   SurfaceTopology topology;  ///< of the points and triangles; springs of ropes; empty: Collision::Points
   RestShape rest;
+  WettedParts parts;
   double fastestAtRest = 0.0;  ///< rad^2/s^2, fastestOscillationSquared for the masses of the settings
   bool narrow = false;         ///< see SteppingProblem
   bool cheapNewton = false;    ///< see SteppingProblem
@@ -204,6 +206,9 @@ struct SoftBodyData {
   ShapeCache* shapes = nullptr;     ///< of the world
   std::mutex* worldLock = nullptr;  ///< of the world: bodies may be read, searched and stepped at the same
                                     ///< time, but not what they share of Bullet and of their systems
+
+  const Surroundings* surroundings = nullptr;  ///< of the system
+  std::unique_ptr<BodyMedium> medium;          ///< nullptr: nothing has acted on the body yet
 
   PointState state;
   SpringArrays springs;

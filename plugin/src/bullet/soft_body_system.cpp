@@ -154,6 +154,7 @@ Result<SoftBody*> SoftBodySystem::createBody(const SharedNetwork& network, const
   (*data)->worldLock = &impl_->step->lock;
   (*data)->links = &impl_->step->links;
   (*data)->groupsStale = &impl_->step->groupsStale;
+  (*data)->surroundings = &impl_->surroundings;
   (*data)->onPointsExposed = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };
   impl_->bodies.push_back(std::unique_ptr<SoftBody>(new SoftBody(std::move(*data))));
@@ -183,6 +184,9 @@ void SoftBodySystem::Impl::destroyPending() {
 void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
   if (!owns(body)) return;
   endPairsOf(body);
+  auto& fields = surroundings.fields;
+  const auto actsOnIt = [&](const ActingField& field) { return field.body == body->data_.get(); };
+  fields.erase(std::remove_if(fields.begin(), fields.end(), actsOnIt), fields.end());
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
   step->forgetGroups();

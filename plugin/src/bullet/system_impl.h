@@ -54,6 +54,7 @@ struct SoftBodySystem::Impl final : TickListener {
   void hideManifolds();
   void destroyNow(SoftBody* body);
   bool owns(const SoftBody* body) const;
+  void wakeAll();
   void destroyPending();
   void endPairsOf(SoftBody* body);
 
@@ -69,6 +70,7 @@ struct SoftBodySystem::Impl final : TickListener {
   SharedModels models;
   std::unique_ptr<StepBoundary> stepBoundary;  // exists while users access point masses outside the world
   ContactEvents events;
+  Surroundings surroundings;
   bool showsManifolds = false;
   std::vector<const SoftContact*> strongest;  // scratch of reportManifold
   std::vector<SoftBody*> pendingDestruction;  // destroyed after the listener's call

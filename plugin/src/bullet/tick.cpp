@@ -113,6 +113,10 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   kinematic.follow(*world, tick);
   links.begin(*world);
   collectMovers(*world, kinematic, this, tick);
+  for (Impl* system : systems)
+    if (system->surroundings.air.windAt)
+      for (auto& body : system->bodies)
+        if (body->data_->alive && isBlownAwake(*body->data_)) wakeBody(*body->data_, true);
   updateSleep(groups, *world, tick, bulletIslands, awake);
   moving.clear();
   for (const LinkedGroup* group : awake)
@@ -123,6 +127,7 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
 void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
   readManifolds(*world->getDispatcher());
   parallel.forEach(awake.size(), [&](std::size_t g) { gatherBodies(*awake[g], tick); });
+  for (SoftBodyData* body : moving) applyFields(*body);
   for (LinkedGroup* group : awake) updateBroadphaseBoxes(*group, tick);
 }
 
@@ -180,6 +185,7 @@ void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
     profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(body->substeps);
   }
   disableDrives(pairs, disabledDrives);
+  for (Impl* system : systems) system->surroundings.time += double(tick);
 }
 
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {

@@ -40,6 +40,11 @@ Eigen::Vector3d withoutRounding(const Eigen::Vector3d& v, double scale) {
   return v.cwiseAbs().maxCoeff() <= noise ? Eigen::Vector3d::Zero() : v;
 }
 
+/// Returns the acceleration (m/s^2) that Bullet itself gives the point.
+Eigen::Vector3d ownAcceleration(const PointMass& point) {
+  return toEigen(point.getTotalForce()) * double(point.getInvMass());
+}
+
 void readFreePoint(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   const PointMass& point = *body.masses.bodies[i];
   const btVector3& expected = body.masses.expectedVelocity[i];
@@ -99,7 +104,7 @@ void gatherWorldPoints(SoftBodyData& body, btScalar tick) {
       point.applyGravity();
       body.restored = true;
     }
-    body.state.acceleration.col(i) = toEigen(point.getTotalForce()) * double(point.getInvMass());
+    body.state.acceleration.col(i) = ownAcceleration(point);
     if (body.masses.held[i]) body.state.acceleration.col(i).setZero();
   }
 }
@@ -110,7 +115,7 @@ void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
     if (m.held[i]) continue;
     PointMass& point = *m.bodies[i];
     const Eigen::Vector3d mean = (body.state.position.col(i) - m.startPosition.col(i)) / double(tick);
-    const btVector3 written = toBullet(mean - double(tick) * body.state.acceleration.col(i));
+    const btVector3 written = toBullet(mean - double(tick) * ownAcceleration(point));
     point.setLinearVelocity(written);
     m.expectedVelocity[i] = untouchedVelocity(point, written, tick);
   }

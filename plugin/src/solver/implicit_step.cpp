@@ -378,6 +378,16 @@ void advance(const Substep& s) {
   }
 }
 
+/// Applies the drag after a substep. The energy that it takes or gives does not count as an error.
+void dragAfter(const Substep& s) {
+  if (!s.body.drag) return;
+  PointDrag& drag = *s.body.drag;
+  drag.measured = true;
+  const double before = drag.work;
+  applyDrag(s.body, viewOf(s.points()), s.h);
+  s.implicit.energyFloor += drag.work - before;
+}
+
 std::size_t countPoints(const std::vector<PlaneContact>& rows) {
   std::size_t count = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) count += r == 0 || rows[r].point != rows[r - 1].point;
@@ -409,6 +419,7 @@ void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
   implicit.residual.resizeLike(body.points->position);
   implicit.trial.resizeLike(body.points->position);
   body.errorRate = 0.0;
+  startDrag(body);
   implicit.energyFloor += energy(body) - implicit.energyAtEnd;
   for (int i = 0; i < substeps; ++i) {
     if (body.watch && body.watch->on) {
@@ -416,7 +427,9 @@ void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
       body.watch->merge();
     }
     if (body.contacts) followSurfaces(*body.contacts, viewOf(*body.points), h);
-    advance({body, implicit, i * h, h, false});
+    const Substep substep{body, implicit, i * h, h, false};
+    advance(substep);
+    dragAfter(substep);
   }
   implicit.energyAtEnd = energy(body);
 }

@@ -75,6 +75,7 @@ struct Lanes {
   SolverBody* const* bodies;
   std::size_t used;   ///< number of bodies
   std::size_t count;  ///< number of lanes
+  double dt;          ///< s, of a substep
   LaneScratch& scratch;
 
   SolverBody& first() const { return *bodies[0]; }
@@ -132,15 +133,19 @@ void stopInLanes(void* context, double time, double dt) {
 
 void settleInLanes(void* context) {
   const auto& lanes = *static_cast<const Lanes*>(context);
-  for (std::size_t lane = 0; lane < lanes.used; ++lane)
+  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+    applyDrag(*lanes.bodies[lane], lanes.points(lane), lanes.dt);
     solveVelocities(*lanes.bodies[lane], lanes.points(lane));
+  }
 }
 
-/// Prepares the contacts of all lanes. Returns false if no lane can have contacts.
+/// Prepares the contacts and drags of all lanes. Returns false if no lane can have any.
 bool prepareContacts(const Lanes& lanes) {
   bool any = false;
   for (std::size_t lane = 0; lane < lanes.used; ++lane) {
     SolverBody& body = *lanes.bodies[lane];
+    startDrag(body);
+    any = any || body.drag;
     if (!mayTouch(body)) continue;
     if (body.contacts) prepareContacts(*body.contacts, lanes.points(lane));
     any = true;
@@ -234,8 +239,8 @@ bool canShareLanes(const SolverBody& a, const SolverBody& b) {
 
 void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratch, double tick, int substeps,
                InstructionSet set) {
-  const Lanes lanes{bodies, count, static_cast<std::size_t>(laneCount(set)), scratch};
   const double dt = tick / substeps;
+  const Lanes lanes{bodies, count, static_cast<std::size_t>(laneCount(set)), dt, scratch};
   prepareDampers(*lanes.first().springs, lanes.first().points->inverseMass, dt);
   prepareVolumes(lanes.first(), dt);
   reserve(lanes);
@@ -390,7 +395,7 @@ PointView viewOf(SpringBatchArrays& springBatches) {
 void stepSpringBatches(SolverBody& body, double tick, int substeps) {
   kernel::ContactCalls calls;
   const kernel::SpringBatchBody springBatches = loadSpringBatches(body, &calls);
-  BodyContacts contacts{&body, viewOf(*body.springBatches)};
+  BodyContacts contacts{&body, viewOf(*body.springBatches), tick / substeps};
   calls = contacts.calls();
   const double change = kernel::stepSpringBatches(springBatches, tick, substeps);
   unloadSpringBatches(body);

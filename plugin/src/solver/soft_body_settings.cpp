@@ -134,6 +134,7 @@ Result<void> validate(const SoftBodySettings& s) {
       {"elasticLimit.breakStrain", s.elasticLimit.breakStrain, 0, 1e6, "from 0 to 1e6"},
   };
   if (Result<void> valid = firstViolation(std::begin(checks), std::end(checks)); !valid) return valid;
+  if (Result<void> valid = validate(s.flow); !valid) return Error{"flow." + valid.error()};
   return checkGroups(s.groups);
 }
 

@@ -49,7 +49,7 @@ void stepSingle(SolverBody& body, double tick, int substeps) {
   if (body.springBatches) return stepSpringBatches(body, tick, substeps);
   PointState& state = *body.points;
   SpringArrays& springs = *body.springs;
-  BodyContacts contacts{&body, viewOf(state)};
+  BodyContacts contacts{&body, viewOf(state), tick / substeps};
   const kernel::ContactCalls calls = contacts.calls();
   const double change = kernel::stepAlone<double>(
       kernel::Body<double>{
@@ -163,6 +163,10 @@ void solvePositions(SolverIsland& group, double time, double dt) {
     solvePositions(group.bodies[i], group.views[i], time, dt);
 }
 
+void applyDrag(SolverIsland& group, double dt) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) applyDrag(group.bodies[i], group.views[i], dt);
+}
+
 void solveVelocities(SolverIsland& group) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i) solveVelocities(group.bodies[i], group.views[i]);
 }
@@ -207,6 +211,7 @@ void stepLinked(SolverIsland& group, double tick, int substeps) {
     drift(group, dt);
     computeForces(group, last || 2 * s == substeps, dt);
     kick(group, 0.5 * dt);
+    applyDrag(group, dt);
     // anchors and contacts first: a damper must not use the velocity of a point that the kick moves away from
     // its anchor or contact
     solveVelocities(group);
@@ -234,6 +239,7 @@ void stepVerlet(SolverIsland& group, double tick, int substeps) {
   for (SolverBody& body : group.bodies) {
     prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
     prepareVolumes(body, tick / substeps);
+    startDrag(body);
   }
   if (isPlain(group) && group.again.every == 0)
     stepSingle(group.bodies[0], tick, substeps);

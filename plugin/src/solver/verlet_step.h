@@ -8,6 +8,7 @@
 #include "solver/links.h"
 #include "solver/motion_sums.h"
 #include "solver/plane_contacts.h"
+#include "solver/point_drag.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/verlet_kernel.h"
@@ -43,6 +44,7 @@ struct SolverBody {
       nullptr;  ///< to step it four springs at a time, see simd_steps.h; may be nullptr
 
   ContactWatch* watch = nullptr;  ///< may be nullptr
+  PointDrag* drag = nullptr;      ///< nullptr: none
 
   const RestShape* rest = nullptr;  ///< may be nullptr without `sums`
   MotionSums* sums = nullptr;       ///< written by stepLanes(); nullptr: not wanted
@@ -105,7 +107,7 @@ bool isPlain(const SolverIsland& group);
 /// Advances all bodies of the island by `tick` seconds in `substeps` substeps of velocity Verlet with Strang
 /// splitting of the damping. Each substep of dt consists of
 ///
-///     damp dt/2 | kick dt/2 | drift dt | new forces | kick dt/2 | damp dt/2
+///     damp dt/2 | kick dt/2 | drift dt | new forces | kick dt/2 | drag dt | damp dt/2
 ///
 /// with anchors and contacts solved before each drift (positions) and each damping (velocities).
 /// The method is of second order, and symplectic without damping. Linear momentum is exact and angular
@@ -129,22 +131,33 @@ inline void solvePositions(SolverBody& body, const PointView& points, double tim
   if (!body.watch->rows.empty()) solvePositions(body.watch->rows, points, time, dt);
 }
 
-/// Solves the velocities at the same contacts after the second kick.
+/// Applies the drag of a substep, after the second kick.
+inline void applyDrag(SolverBody& body, const PointView& points, double dt) {
+  if (body.drag) applyDrag(*body.drag, points, body.points->position.cols(), dt);
+}
+
+/// Starts the measurement of the drag's work.
+inline void startDrag(SolverBody& body) {
+  if (body.drag) body.drag->work = 0.0;
+}
+
+/// Solves the velocities at the same contacts after the drag.
 inline void solveVelocities(SolverBody& body, const PointView& points) {
   if (body.contacts) solveVelocities(*body.contacts, points);
   if (body.watch && !body.watch->rows.empty()) solveVelocities(body.watch->rows, points);
 }
 
-/// A body's contacts in the form of the kernels' callbacks. When calls() is called, `points` must hold the
-/// state at the start of the tick.
+/// A body's contacts and drag in the form of the kernels' callbacks. When calls() is called, `points` must
+/// hold the state at the start of the tick.
 struct BodyContacts {
   SolverBody* body;
   PointView points;
+  double dt;  ///< s, of a substep
 
   kernel::ContactCalls calls() {
     const bool touches = mayTouch(*body);
     if (touches && body->contacts) prepareContacts(*body->contacts, points);
-    return {touches ? this : nullptr, &BodyContacts::stop, &BodyContacts::settle};
+    return {touches || body->drag ? this : nullptr, &BodyContacts::stop, &BodyContacts::settle};
   }
 
  private:
@@ -154,6 +167,7 @@ struct BodyContacts {
   }
   static void settle(void* context) {
     auto& self = *static_cast<BodyContacts*>(context);
+    applyDrag(*self.body, self.points, self.dt);
     solveVelocities(*self.body, self.points);
   }
 };

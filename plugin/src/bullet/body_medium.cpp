@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Zlib
+
+// This file computes what air, water and fields do to a body in a tick.
+
+#include "bullet/body_medium.h"
+
+#include "bullet/soft_body_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Of a plate broadside to the flow, and of a cylinder across it (Hoerner 1965).
+constexpr double kSheetDrag = 1.2;
+
+/// 1/s. Air alone does not bring heavy cloths to rest, as it hardly acts on slow motions and not along the
+/// cloth.
+constexpr double kSheetLinearDrag = 0.3;
+
+/// 1/s, of solids in water.
+constexpr double kWaveDrag = 0.5;
+
+/// Of a bluff solid in water.
+constexpr double kSolidDragInWater = 1.0;
+
+/// m/s, the largest wind that is taken from the user's function.
+constexpr double kMaxWind = 1e4;
+
+/// m/s, change of the wind that wakes a body.
+constexpr double kWakingWind = 0.5;
+
+bool isSolid(const SoftBodyData& body) { return body.model->network->kind == NetworkKind::Solid; }
+
+/// Returns the coefficients of the body in a medium where its default drag is `usual`.
+Flow flowOf(const SoftBodyData& body, double density, double usual) {
+  const FlowCoefficients& c = body.settings.flow;
+  Flow flow;
+  flow.density = density;
+  flow.drag = c.drag.value_or(usual);
+  const bool isCloth = body.model->network->kind == NetworkKind::Cloth;
+  flow.lift = std::min(c.lift.value_or(isCloth ? flow.drag : 0.0), flow.drag);
+  flow.friction = flow.drag > 0.0 ? c.friction : 0.0;
+  return flow;
+}
+
+Flow airOf(const SoftBodyData& body) {
+  Flow flow = flowOf(body, body.surroundings->air.density, isSolid(body) ? 0.0 : kSheetDrag);
+  flow.velocity = body.surroundings->air.wind;
+  return flow;
+}
+
+Flow waterOf(const SoftBodyData& body) {
+  const Water& water = *body.surroundings->water;
+  Flow flow = flowOf(body, water.density, isSolid(body) ? kSolidDragInWater : kSheetDrag);
+  flow.velocity = water.flow;
+  return flow;
+}
+
+Vector3d windAt(const Surroundings& around, const Vector3d& place) {
+  Vector3d wind = around.air.windAt(place, around.time);
+  for (int axis = 0; axis < 3; ++axis)
+    wind[axis] = std::isfinite(wind[axis]) ? std::clamp(wind[axis], -kMaxWind, kMaxWind) : 0.0;
+  return around.air.wind + wind;
+}
+
+void setWindOfPoints(const SoftBodyData& body, BodyMedium& medium, Flow& air) {
+  if (!body.surroundings->air.windAt) return;
+  medium.wind.resize(3, body.state.position.cols());
+  for (Eigen::Index i = 0; i < medium.wind.cols(); ++i)
+    medium.wind.col(i) = windAt(*body.surroundings, body.state.position.col(i));
+  air.velocityAt = &medium.wind;
+  medium.lastWind = medium.wind.col(0);
+}
+
+/// Returns the plane of the water; none if there is no gravity, or if the body is above it.
+WaterPlane waterPlaneNear(SoftBodyData& body, double tick) {
+  WaterPlane plane;
+  if (!body.surroundings->water) return plane;
+  const Vector3d gravity = toEigen(body.world->getGravity());
+  const double strength = gravity.norm();
+  if (!(strength > 0.0) || !std::isfinite(strength)) return plane;
+  plane.up = -gravity / strength;
+  plane.level = body.surroundings->water->level;
+  const MotionSums& s = sumsOf(body);
+  double lowest = 0.0, fastest = std::sqrt(s.fastest);
+  for (int axis = 0; axis < 3; ++axis) {
+    lowest += plane.up[axis] * (plane.up[axis] > 0.0 ? s.low[axis] : s.high[axis]);
+    fastest += std::abs(s.meanVelocity[axis]);
+  }
+  const double reach = radiusOf(body) + tick * fastest;
+  if (lowest - reach < plane.level) plane.weight = body.surroundings->water->density * strength;
+  return plane;
+}
+
+/// Adds the buoyancy of a body that encloses no volume. Each point has its share of the displaced volume, and
+/// is under water more and more from a radius above the plane to a radius below it. Returns what that is as
+/// an area of the plane (m^2).
+double addDisplacement(const SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane) {
+  const double volume = body.settings.flow.displacedVolume, diameter = 2.0 * radiusOf(body);
+  double planeArea = 0.0;
+  for (Eigen::Index i = 0; i < medium.predicted.cols(); ++i) {
+    const double own = volume * body.model->network->massFractions[static_cast<std::size_t>(i)];
+    const double share = plane.depthOf(medium.predicted.col(i)) / diameter + 0.5;
+    if (share > 0.0) medium.force.col(i) += plane.weight * own * std::min(share, 1.0) * plane.up;
+    if (share > 0.0 && share < 1.0) planeArea += own / diameter;
+  }
+  return planeArea;
+}
+
+/// Adds the buoyancy to the accelerations. It is that of the predicted positions in the middle of the tick:
+/// then a constant force over the tick keeps the energy of bobbing bodies. Returns the square of the phase of
+/// bobbing in a tick.
+double addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
+  medium.predicted = body.state.position + 0.5 * tick * body.state.velocity;
+  medium.force.setZero(3, medium.predicted.cols());
+  const WettedParts& parts = body.model->parts;
+  double area = addBuoyancy(parts.closed, medium.predicted, plane, medium.force);
+  if (parts.closed.empty() && body.settings.flow.displacedVolume > 0.0)
+    area += addDisplacement(body, medium, plane);
+  body.state.acceleration += medium.force.cwiseProduct(body.state.inverseMass);
+  body.surface.sweptBounds.tick = 0.0;
+  return plane.weight * std::max(area, 0.0) * tick * tick / body.settings.totalMass;
+}
+
+/// Slows a body that bobs too fast for a constant force over a tick down, so that it creeps to its draught.
+void dampBobbing(const SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double rate) {
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    addDrag(medium.drag, i, rate * massOf(body.state.inverseMass, i), plane.up, 0.0, Vector3d::Zero());
+}
+
+/// Slows the points of a solid under water down: the waves that it makes carry its energy away.
+void dampByWaves(const SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane,
+                 const Vector3d& flow) {
+  if (!isSolid(body) || body.settings.flow.linearDrag) return;
+  for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
+    if (plane.depthOf(body.state.position.col(i)) > 0.0)
+      addDrag(medium.drag, i, 0.0, plane.up, kWaveDrag * massOf(body.state.inverseMass, i), flow);
+}
+
+BodyMedium& mediumOf(SoftBodyData& body) {
+  if (!body.medium) body.medium = std::make_unique<BodyMedium>();
+  return *body.medium;
+}
+
+}  // namespace
+
+WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& scale) {
+  WettedParts parts;
+  if (network.kind == NetworkKind::Solid) {
+    SoftBodySettings settings;
+    settings.scale = scale;
+    settings.volumeModulus = 1.0;
+    parts.closed = makeVolumes(network, settings)->triangles;
+  }
+  if (!parts.closed.empty()) return parts;
+  parts.sheets = network.surface;
+  if (!parts.sheets.empty()) return parts;
+  for (const NetworkSpring& spring : network.springs)
+    if (spring.kind == SpringKind::Structural) parts.segments.push_back({spring.a, spring.b});
+  return parts;
+}
+
+bool hasDragInAir(const SoftBodyData& body) { return airOf(body).acts() && !body.model->parts.empty(); }
+
+bool isBlownAwake(const SoftBodyData& body) {
+  if (!body.asleep || !body.surroundings->air.windAt || !hasDragInAir(body)) return false;
+  const Vector3d last = body.medium ? body.medium->lastWind : Vector3d(Vector3d::Zero());
+  return (windAt(*body.surroundings, body.state.position.col(0)) - last).norm() > kWakingWind;
+}
+
+PointDrag* surroundBody(SoftBodyData& body, double tick) {
+  const double rate = body.settings.flow.linearDrag.value_or(isSolid(body) ? 0.0 : kSheetLinearDrag);
+  const bool inAir = hasDragInAir(body);
+  const WaterPlane plane = waterPlaneNear(body, tick);
+  if (!inAir && !plane.isThere() && rate == 0.0) return nullptr;
+  BodyMedium& medium = mediumOf(body);
+  medium.drag.rate = rate;
+  Flow air = airOf(body), water;
+  if (inAir) setWindOfPoints(body, medium, air);
+  if (plane.isThere()) water = waterOf(body);
+  // a body that goes in and out of the water keeps its memory
+  clearDrag(medium.drag, inAir || body.surroundings->water ? body.state.position.cols() : 0);
+  if (inAir || water.acts())
+    addDragOfParts(body.model->parts, 2.0 * radiusOf(body), body.state, air, water, plane, medium.drag);
+  if (plane.isThere()) dampByWaves(body, medium, plane, water.velocity);
+  if (plane.isThere())
+    if (const double phase = addWaterForces(body, medium, plane, tick); phase > 1.0)
+      dampBobbing(body, medium, plane, phase / tick);
+  limitDrag(medium.drag, body.state.inverseMass);
+  return &medium.drag;
+}
+
+void applyFields(SoftBodyData& body) {
+  if (body.surroundings->fields.empty()) return;
+  BodyMedium& medium = mediumOf(body);
+  PointState& s = body.state;
+  const Eigen::Index count = s.position.cols();
+  medium.masses.resize(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i)
+    medium.masses[static_cast<std::size_t>(i)] = massOf(s.inverseMass, i);
+  medium.force = s.acceleration;
+  const FieldPoints points{
+      static_cast<std::size_t>(count), s.position.data(),    s.velocity.data(), medium.masses.data(),
+      body.surroundings->time,         s.acceleration.data()};
+  for (const ActingField& field : body.surroundings->fields)
+    if (!field.body || field.body == &body) field.act(points);
+  // along axes on which a point is held, it keeps its velocity
+  s.acceleration = (s.inverseMass.array() > 0.0).select(s.acceleration, medium.force);
+  body.surface.sweptBounds.tick = 0.0;
+  if (s.acceleration.cwiseAbs().sum() < kMaxSound) return;
+  s.acceleration = medium.force;
+  body.restored = true;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Zlib
+
+// This header declares what surrounds the bodies of a system, and the forces of it in a tick.
+
+#pragma once
+
+#include "solver/medium.h"
+#include "solver/point_drag.h"
+
+#include <limber/bullet_precision.h>
+#include <limber/soft_body_settings.h>
+#include <limber/spring_network.h>
+#include <limber/surroundings.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+struct SoftBodyData;
+
+/// A field that acts on one body, or on all of a system.
+struct ActingField {
+  std::uint64_t id;
+  ForceField act;
+  const SoftBodyData* body;  ///< nullptr: all
+};
+
+/// What surrounds the bodies of a system.
+struct Surroundings {
+  Air air;
+  std::optional<Water> water;
+  std::vector<ActingField> fields;
+  std::uint64_t lastField = 0;  ///< id of the last field that was added
+  double time = 0.0;            ///< s, sum of the ticks
+};
+
+/// A body in the media around it. Made when something first acts on the body.
+struct BodyMedium {
+  PointDrag drag;
+  Points wind;                 ///< 3 x #points, m/s, scratch
+  Points predicted;            ///< 3 x #points, m, scratch: positions in the middle of the tick
+  Points force;                ///< 3 x #points, N, scratch
+  std::vector<double> masses;  ///< #points, kg, scratch of fields
+  Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, at point 0 in the last tick awake
+};
+
+/// Returns the parts of a network that a flow acts on. Closed triangles face outward at this scale.
+WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& scale);
+
+/// Adds the buoyancy to the accelerations of an awake body, at the start of a tick. Returns its drag in the
+/// tick, or nullptr if there is none.
+PointDrag* surroundBody(SoftBodyData& body, double tick);
+
+/// Calls all fields for an awake body.
+void applyFields(SoftBodyData& body);
+
+/// Returns whether air acts on the body.
+bool hasDragInAir(const SoftBodyData& body);
+
+/// Returns whether the wind at a sleeping body has changed so much since it fell asleep that it must wake.
+bool isBlownAwake(const SoftBodyData& body);
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

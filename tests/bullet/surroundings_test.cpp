@@ -1,0 +1,530 @@
+// SPDX-License-Identifier: Zlib
+// Air, water and fields against closed forms; stability; sleep.
+#include "support/allocation_counter.h"
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/small_meshes.h"
+#include "support/tested_way.h"
+
+#include <limber/limber.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace limber {
+namespace {
+
+/// With the default drag.
+SoftBodySettings usualSettings() {
+  SoftBodySettings s = test::testedSettings();
+  s.flow = FlowCoefficients();
+  return s;
+}
+
+using Eigen::Vector3d;
+using test::BulletWorld;
+using test::kGravity;
+
+struct SurroundingsTest : testing::Test {
+  SoftBody* add(const SharedNetwork& network, const SoftBodySettings& s) {
+    const Result<SoftBody*> body = system.createBody(network, s);
+    EXPECT_TRUE(body) << (body ? "" : body.error());
+    return *body;
+  }
+  void setWind(const Vector3d& wind, double density = 1.2) {
+    Air air;
+    air.wind = wind;
+    air.density = density;
+    ASSERT_TRUE(system.setAir(air));
+  }
+  Water setWater(double level) {
+    Water water;
+    water.level = level;
+    EXPECT_TRUE(system.setWater(water));
+    return water;
+  }
+
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+};
+
+double heightOf(const SoftBody& body) { return body.centerOfMass().y(); }
+double fallOf(const SoftBody& body) { return -body.linearMomentum().y() / body.totalMass(); }
+
+SharedNetwork solidOf(const TriangleMesh& mesh) { return *buildNetwork(mesh); }
+
+SoftBodySettings stiffSolid(double mass) {
+  SoftBodySettings s = usualSettings();
+  s.extensionStiffness = s.compressionStiffness = 1e4 * mass;
+  s.damping = 20.0 * mass;
+  s.totalMass = mass;
+  return s;
+}
+
+/// A cloth of 1 m x 1 m whose points have the masses of the areas around them.
+SharedNetwork evenCloth(std::uint32_t cells) {
+  ClothSettings c;
+  c.columns = c.rows = cells;
+  SpringNetwork network = **buildCloth(c);
+  std::vector<double> area(network.restPoints.size(), 0.0);
+  double sum = 0.0;
+  for (const Triangle& t : network.surface)
+    for (const std::uint32_t corner : t) area[corner] += 1.0, sum += 1.0;
+  for (double& a : area) a /= sum;
+  network.massFractions = area;
+  return std::make_shared<const SpringNetwork>(std::move(network));
+}
+
+SoftBodySettings clothSettings(double mass) {
+  SoftBodySettings s = usualSettings();
+  s.totalMass = mass;
+  s.extensionStiffness = s.compressionStiffness = 2000.0 * mass;
+  s.damping = mass;
+  s.flow.friction = 0.0;
+  s.flow.linearDrag = 0.0;
+  return s;
+}
+
+// --- drag --------------------------------------------------------------------------------------------------
+
+TEST_F(SurroundingsTest, aFallWithLinearDragIsExponential) {
+  SoftBodySettings s = usualSettings();
+  s.flow.linearDrag = 0.7;
+  const SoftBody* body = add(test::cubeNetwork(), s);
+  const double end = kGravity / 0.7;
+  for (int tick = 1; tick <= 240; ++tick) {
+    bullet.tick();
+    const double t = tick / 60.0;
+    ASSERT_NEAR(fallOf(*body), end * (1.0 - std::exp(-0.7 * t)), 2e-3 * end);
+    ASSERT_NEAR(-heightOf(*body), end * (t - (1.0 - std::exp(-0.7 * t)) / 0.7), 2e-3 * end * t);
+  }
+}
+
+TEST_F(SurroundingsTest, aPlateBroadsideFallsAtItsTerminalSpeed) {
+  SoftBodySettings s = stiffSolid(0.5);
+  s.scale = {1.0, 0.05, 1.0};
+  s.flow.drag = 1.17;
+  s.flow.friction = 0.0;
+  const SoftBody* body = add(solidOf(small_meshes::cube(2)), s);
+  bullet.simulate(10.0);
+  EXPECT_NEAR(fallOf(*body), std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.17)), 0.01);
+}
+
+TEST_F(SurroundingsTest, aBallFallsAtItsTerminalSpeed) {
+  const TriangleMesh mesh = small_meshes::icosphere(2);
+  double frontal = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vector3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    frontal += 0.25 * std::abs((b - a).cross(c - a).y());
+  }
+  EXPECT_NEAR(frontal, test::kPi, 0.1);
+  SoftBodySettings s = stiffSolid(2.0);
+  s.flow.drag = 0.47;
+  s.flow.friction = 0.0;
+  const SoftBody* body = add(solidOf(mesh), s);
+  bullet.simulate(20.0);
+  EXPECT_NEAR(fallOf(*body), std::sqrt(2.0 * 2.0 * kGravity / (1.2 * 0.47 * frontal)), 0.05);
+}
+
+TEST_F(SurroundingsTest, aFlagHangsAtTheAngleOfItsLoads) {
+  // gravity sigma g and the pressure 1/2 rho C w^2 cos(angle) along the normal give a plane cloth
+  for (const double wind : {1.0, 2.0, 3.0}) {
+    const double mass = 0.4;
+    SoftBodySettings s = clothSettings(mass);
+    s.extensionStiffness = s.compressionStiffness = 4000.0;
+    s.damping = 2.0;
+    s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Vector3d::UnitX());
+    SoftBody* flag = add(evenCloth(8), s);
+    for (std::uint32_t i = 0; i <= 8; ++i) ASSERT_TRUE(flag->pin(i));
+    setWind({0, 0, wind});
+    bullet.simulate(20.0);
+    const Vector3d along = flag->position(8 * 9 + 4) - flag->position(4);
+    const double angle = std::atan2(along.z(), -along.y());
+    const double expected = std::atan(0.5 * 1.2 * 1.2 * wind * wind / (mass * kGravity));
+    EXPECT_NEAR(angle, expected, 0.003) << wind;
+    ASSERT_TRUE(system.destroyBody(flag));
+  }
+}
+
+TEST_F(SurroundingsTest, aRopeFallsAtTheTerminalSpeedOfACylinder) {
+  SoftBodySettings s = usualSettings();
+  s.totalMass = 0.1;
+  s.pointRadius = 0.01;
+  s.damping = 0.1;
+  s.flow.linearDrag = 0.0;
+  SpringNetwork network = **buildRope();
+  for (double& fraction : network.massFractions) fraction = 1.0 / 16.0;
+  network.massFractions.front() = network.massFractions.back() = 0.5 / 16.0;
+  const SoftBody* rope = add(std::make_shared<const SpringNetwork>(network), s);
+  bullet.simulate(20.0);
+  EXPECT_NEAR(fallOf(*rope), std::sqrt(2.0 * 0.1 * kGravity / (1.2 * 1.2 * 0.02)), 0.05);
+}
+
+TEST_F(SurroundingsTest, aHurricaneNeverMakesALooseClothFasterThanItself) {
+  bullet.world->setGravity(btVector3(0, 0, 0));
+  const Vector3d wind(60, 10, -30);
+  setWind(wind);
+  for (const double tick : {1.0 / 60.0, 1.0 / 15.0})
+    for (const double mass : {0.01, 1.0}) {
+      SoftBodySettings s = clothSettings(mass);
+      s.flow.lift = 0.0;
+      SoftBody* cloth = add(evenCloth(6), s);
+      double energy = 0.5 * mass * wind.squaredNorm();
+      for (int i = 0; i < 60; ++i) {
+        bullet.tick(tick);
+        const double relative = cloth->kineticEnergy() + 0.5 * mass * wind.squaredNorm() -
+                                cloth->linearMomentum().dot(wind) + cloth->elasticEnergy();
+        ASSERT_LE(relative, energy * (1.0 + 1e-6) + 1e-9) << i;
+        energy = relative;
+      }
+      EXPECT_LT(energy, 0.4 * 0.5 * mass * wind.squaredNorm());
+      ASSERT_TRUE(system.destroyBody(cloth));
+    }
+}
+
+TEST_F(SurroundingsTest, aPinnedClothStaysFiniteInAHurricane) {
+  Air air;
+  air.wind = {0, 0, 70};
+  air.windAt = gusts(air.wind, 20.0, 2.0);
+  ASSERT_TRUE(system.setAir(air));
+  SoftBody* cloth = add(evenCloth(8), clothSettings(0.05));
+  ASSERT_TRUE(cloth->pin(0));
+  ASSERT_TRUE(cloth->pin(8));
+  for (int i = 0; i < 300; ++i) {
+    bullet.tick(1.0 / 15.0);
+    ASSERT_LT(cloth->kineticEnergy(), 0.5 * 0.05 * 300.0 * 300.0) << i;
+  }
+  EXPECT_EQ(cloth->restorations(), 0u);
+}
+
+TEST_F(SurroundingsTest, aClothOnTwoPinsComesToRest) {
+  SoftBody* cloth = add(*buildCloth(), usualSettings());
+  ASSERT_TRUE(cloth->pin(0));
+  ASSERT_TRUE(cloth->pin(16));
+  double seconds = 0.0;
+  for (; seconds < 30.0 && !cloth->sleeping(); seconds += 1.0 / 60.0) bullet.tick();
+  EXPECT_LT(seconds, 20.0);
+}
+
+TEST_F(SurroundingsTest, solidsAndVacuumHaveNoDrag) {
+  setWind({10, 0, 0});
+  const SoftBody* cube = add(test::closedCubeNetwork(), usualSettings());
+  bullet.simulate(1.0);
+  EXPECT_NEAR(cube->linearMomentum().x(), 0.0, 1e-9);
+  setWind({10, 0, 0}, 0.0);
+  const SoftBody* cloth = add(*buildCloth(), usualSettings());
+  bullet.simulate(1.0);
+  EXPECT_NEAR(cloth->linearMomentum().x(), 0.0, 1e-9);
+}
+
+// --- water -------------------------------------------------------------------------------------------------
+
+// flat boxes: a floating cube of half the density of water lies on an edge
+TEST_F(SurroundingsTest, aBoxFloatsAtItsDraught) {
+  setWater(3.0);
+  for (const double density : {250.0, 500.0, 900.0}) {
+    SoftBodySettings s = stiffSolid(0.4 * density);
+    s.scale = {1.0, 0.4, 1.0};
+    s.position = {0, 3.1, 0};
+    s.sleepingSpeed = 0.01;
+    SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+    bullet.simulate(30.0);
+    EXPECT_NEAR(heightOf(*cube), 3.0 + 0.2 - 0.4 * density / 1000.0, 0.004) << density;
+    EXPECT_TRUE(cube->sleeping());
+    ASSERT_TRUE(system.destroyBody(cube));
+  }
+}
+
+TEST_F(SurroundingsTest, itBobsWithItsPeriodAndKeepsTheEnergy) {
+  setWater(0.0);
+  SoftBodySettings s = stiffSolid(200.0);
+  s.scale = {1.0, 0.4, 1.0};
+  s.flow.drag = s.flow.linearDrag = 0.0;
+  s.sleepingSpeed = 0.0;
+  s.position = {0, 0.1, 0};
+  const SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+  double before = heightOf(*cube), first = 0.0, last = 0.0, highest = 0.0;
+  int periods = -1;
+  for (int i = 1; i <= 1800; ++i) {
+    bullet.tick();
+    const double now = heightOf(*cube), t = i / 60.0;
+    if (before < 0.0 && now >= 0.0) {
+      last = t - now / (now - before) / 60.0;
+      if (++periods == 0) first = last;
+    }
+    if (i > 1500) highest = std::max(highest, now);
+    before = now;
+  }
+  EXPECT_NEAR((last - first) / periods, 2.0 * test::kPi * std::sqrt(0.2 / kGravity), 0.01);
+  EXPECT_NEAR(highest, 0.1, 0.01);
+}
+
+TEST_F(SurroundingsTest, buoyancyIsTheWeightOfTheDisplacedWater) {
+  setWater(100.0);
+  for (const double mirror : {1.0, -1.0}) {
+    SoftBodySettings s = stiffSolid(700.0);
+    s.scale = {mirror, 1.3, 0.7};
+    s.rotation = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
+    s.flow.drag = s.flow.linearDrag = 0.0;
+    SoftBody* box = add(solidOf(small_meshes::cube(3)), s);
+    bullet.tick();
+    const double expected = (1000.0 * 1.3 * 0.7 / 700.0 - 1.0) * kGravity / 60.0;
+    EXPECT_NEAR(-fallOf(*box), expected, 1e-4 * std::abs(expected)) << mirror;
+    EXPECT_NEAR(box->linearMomentum().x(), 0.0, 1e-2);
+    ASSERT_TRUE(system.destroyBody(box));
+  }
+}
+
+TEST_F(SurroundingsTest, lightFoamAndRopesFloatInLongTicks) {
+  setWater(0.0);
+  SoftBodySettings s = stiffSolid(2.0);
+  s.scale = {1.0, 0.1, 1.0};
+  s.position = {0, 0.3, 0};
+  const SoftBody* raft = add(solidOf(small_meshes::cube(3)), s);
+  SoftBodySettings thin = usualSettings();
+  thin.position = {3, 0.2, 0};
+  thin.totalMass = 0.2;
+  thin.flow.displacedVolume = 0.4e-3;
+  const SoftBody* rope = add(*buildRope(), thin);
+  for (int i = 0; i < 600; ++i) {
+    bullet.tick(1.0 / 15.0);
+    ASSERT_LT(std::abs(heightOf(*raft)), 1.0) << i;
+    ASSERT_LT(std::abs(heightOf(*rope)), 0.5) << i;
+  }
+  EXPECT_NEAR(heightOf(*raft), 0.048, 0.05);
+  EXPECT_NEAR(heightOf(*rope), 0.0, 0.02);
+}
+
+TEST_F(SurroundingsTest, aStreamCarriesAFloatingCube) {
+  Water water;
+  water.flow = {0.8, 0, 0};
+  ASSERT_TRUE(system.setWater(water));
+  const SoftBody* cube = add(solidOf(small_meshes::cube(2)), stiffSolid(100.0));
+  bullet.simulate(60.0);
+  EXPECT_NEAR(cube->linearMomentum().x() / 100.0, 0.8, 0.1);
+}
+
+// --- fields ------------------------------------------------------------------------------------------------
+
+TEST_F(SurroundingsTest, aConstantFieldIsLikeGravity) {
+  const auto fall = [](bool asField) {
+    BulletWorld world(asField ? 0.0 : -kGravity);
+    SoftBodySystem soft(*world.world);
+    const auto pull = [](const FieldPoints& p) {
+      for (std::size_t i = 0; i < p.count; ++i) p.accelerations[3 * i + 1] -= kGravity;
+    };
+    if (asField) {
+      EXPECT_TRUE(soft.addField(pull));
+    }
+    world.addPlaneFloor();
+    SoftBodySettings s = usualSettings();
+    s.position = {0, 1.5, 0};
+    const SoftBody* body = *soft.createBody(test::closedCubeNetwork(), s);
+    world.simulate(0.4);
+    return body->centerOfMass().y();
+  };
+  EXPECT_NEAR(fall(true), fall(false), 1e-5);
+}
+
+TEST_F(SurroundingsTest, fieldsActOnTheirBodyAloneAndEndWithIt) {
+  SoftBodySettings s = usualSettings();
+  SoftBody* pushed = add(test::cubeNetwork(), s);
+  s.position = {5, 0, 0};
+  const SoftBody* other = add(test::cubeNetwork(), s);
+  int calls = 0;
+  const Result<std::uint64_t> field = system.addField(
+      [&](const FieldPoints& p) {
+        ++calls;
+        EXPECT_EQ(p.count, 8u);
+        EXPECT_DOUBLE_EQ(p.masses[0], 0.125);
+        for (std::size_t i = 0; i < p.count; ++i) p.accelerations[3 * i] += 2.0;
+      },
+      pushed);
+  ASSERT_TRUE(field);
+  bullet.simulate(1.0);
+  EXPECT_EQ(calls, 60);
+  EXPECT_NEAR(pushed->linearMomentum().x(), 2.0, 1e-4);
+  EXPECT_NEAR(other->linearMomentum().x(), 0.0, 1e-9);
+  ASSERT_TRUE(system.destroyBody(pushed));
+  EXPECT_FALSE(system.removeField(*field));
+}
+
+TEST_F(SurroundingsTest, aFieldThatIsNotFiniteIsLeftOut) {
+  system.onWarning([](const std::string&) {});
+  const SoftBody* body = add(test::cubeNetwork(), usualSettings());
+  ASSERT_TRUE(system.addField([](const FieldPoints& p) { p.accelerations[4] = std::nan(""); }));
+  bullet.simulate(0.5);
+  EXPECT_NEAR(fallOf(*body), 0.5 * kGravity, 1e-3);
+  EXPECT_EQ(body->restorations(), 30u);
+}
+
+// --- all together ------------------------------------------------------------------------------------------
+
+/// A world with every kind of body, in gusts, water and a field.
+struct BusyWorld {
+  BusyWorld() {
+    Air air;
+    air.wind = {4, 0, 1};
+    air.windAt = gusts(air.wind, 3.0, 1.0);
+    EXPECT_TRUE(system.setAir(air));
+    EXPECT_TRUE(system.setWater(Water()));
+    EXPECT_TRUE(system.addField([](const FieldPoints& p) {
+      for (std::size_t i = 0; i < 3 * p.count; ++i) p.accelerations[i] -= 0.3 * p.velocities[i];
+    }));
+    const SharedNetwork rope = *buildRope(), cloth = *buildCloth(), cube = test::closedCubeNetwork();
+    SoftBodySettings s = usualSettings();
+    s.flow.displacedVolume = 1e-3;
+    for (int i = 0; i < 12; ++i) {
+      s.position = {1.5 * i, 0.5, -2.0};
+      s.totalMass = 0.3;
+      EXPECT_TRUE(system.createBody(rope, s));
+      if (i % 4 == 0) (*system.createBody(cloth, placed(s, 2.0)))->pin(0);
+      s.totalMass = 300.0;
+      s.extensionStiffness = s.compressionStiffness = 1e5;
+      EXPECT_TRUE(system.createBody(cube, placed(s, 5.0)));
+      s = usualSettings();
+    }
+  }
+  static SoftBodySettings placed(SoftBodySettings s, double z) {
+    s.position.z() = z;
+    return s;
+  }
+  std::uint64_t hash() const {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < system.bodyCount(); ++i) sum = 31 * sum + system.body(i)->stateHash();
+    return sum;
+  }
+
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+};
+
+TEST(BusySurroundings, givesTheSameBitsOnAnyNumberOfThreads) {
+  BusyWorld alone, together;
+  ThreadPool pool(2);
+  together.system.setParallelFor(pool.parallelFor());
+  for (int i = 0; i < 120; ++i) {
+    alone.bullet.tick();
+    together.bullet.tick();
+    ASSERT_EQ(alone.hash(), together.hash()) << i;
+  }
+}
+
+TEST(BusySurroundings, allocatesNothingAfterWarmUp) {
+  BusyWorld busy;
+  busy.bullet.simulate(5.0);
+  const test::AllocationCounter counter;
+  busy.bullet.simulate(1.0);
+  EXPECT_EQ(counter.allocations(), 0u);
+}
+
+TEST(BusySurroundings, bodiesStepTheSameAloneAndInLanes) {
+  const auto run = [](int count) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    Air air;
+    air.windAt = [](const Vector3d& place, double time) {
+      return Vector3d(3.0 * std::sin(place.z() + time), 2.0 * std::cos(time), 0);
+    };
+    EXPECT_TRUE(system.setAir(air));
+    const SharedNetwork rope = *buildRope();
+    for (int i = 0; i < count; ++i) {
+      SoftBodySettings s = usualSettings();
+      s.totalMass = 0.05;
+      s.position = {0, 0, 3.0 * i};
+      EXPECT_TRUE((*system.createBody(rope, s))->pin(0));
+    }
+    bullet.simulate(2.0);
+    return system.body(0)->stateHash();
+  };
+  EXPECT_EQ(run(1), run(9));
+}
+
+TEST(BusySurroundings, everyStepperHasTheSameTerminalSpeed) {
+  for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = clothSettings(0.5);
+    s.stepping.stepper = stepper;
+    const SoftBody* cloth = *system.createBody(evenCloth(4), s);
+    bullet.simulate(8.0);
+    EXPECT_EQ(cloth->stepper(), stepper);
+    EXPECT_NEAR(fallOf(*cloth), std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.2)), 0.02) << int(stepper);
+  }
+}
+
+// --- sleep -------------------------------------------------------------------------------------------------
+
+TEST_F(SurroundingsTest, bodiesSleepInSteadySurroundingsAndWakeWhenTheyChange) {
+  bullet.addBoxFloor();
+  SoftBodySettings s = usualSettings();
+  s.position = {0, 0.52, 0};
+  s.flow.drag = 1.0;
+  s.friction = 1.0;
+  SoftBody* cube = add(test::closedCubeNetwork(), s);
+  ASSERT_TRUE(system.addField([](const FieldPoints& p) {
+    for (std::size_t i = 0; i < p.count; ++i) p.accelerations[3 * i] += 0.5;
+  }));
+  setWind({1, 0, 0});
+  const auto settles = [&] {
+    bullet.simulate(12.0);
+    return cube->sleeping();
+  };
+  ASSERT_TRUE(settles());
+  setWind({1, 0, 0});
+  EXPECT_TRUE(cube->sleeping()) << "the same wind wakes nothing";
+  setWind({1.1, 0, 0});
+  EXPECT_FALSE(cube->sleeping());
+  ASSERT_TRUE(settles());
+  setWater(-1.0);
+  EXPECT_FALSE(cube->sleeping());
+  ASSERT_TRUE(settles());
+  const Result<std::uint64_t> field = system.addField([](const FieldPoints&) {});
+  EXPECT_FALSE(cube->sleeping());
+  ASSERT_TRUE(settles());
+  ASSERT_TRUE(system.removeField(*field));
+  EXPECT_FALSE(cube->sleeping());
+}
+
+TEST_F(SurroundingsTest, aGustWakesASleepingBody) {
+  bullet.addBoxFloor();
+  SoftBodySettings s = usualSettings();
+  s.position = {0, 0.52, 0};
+  s.flow.drag = 1.0;
+  SoftBody* cube = add(test::closedCubeNetwork(), s);
+  Air air;
+  air.windAt = [](const Vector3d&, double time) { return Vector3d(time > 10.0 ? 3.0 : 0.0, 0, 0); };
+  ASSERT_TRUE(system.setAir(air));
+  bullet.simulate(9.5);
+  ASSERT_TRUE(cube->sleeping());
+  bullet.simulate(1.0);
+  EXPECT_FALSE(cube->sleeping());
+}
+
+// --- errors ------------------------------------------------------------------------------------------------
+
+TEST_F(SurroundingsTest, errorsNameTheField) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Air air;
+  air.density = -1;
+  EXPECT_EQ(system.setAir(air).error(), "air: density is -1, must be from 0 to 1e4");
+  air.density = 1.2;
+  air.wind.y() = nan;
+  EXPECT_EQ(system.setAir(air).error(), "air: wind.y is nan, must be from -1e4 to 1e4");
+  Water water;
+  water.density = 0.0;
+  EXPECT_EQ(system.setWater(water).error(), "water: density is 0, must be from 1e-9 to 1e5");
+  EXPECT_EQ(system.addField(nullptr).error(), "the field is an empty function");
+  EXPECT_EQ(system.removeField(7).error(), "there is no field 7");
+  SoftBodySettings s = usualSettings();
+  s.flow.drag = 0.5;
+  s.flow.lift = 0.6;
+  EXPECT_EQ(system.createBody(test::cubeNetwork(), s).error(),
+            "settings: flow.lift is 0.6, must be from 0 to drag");
+}
+
+}  // namespace
+}  // namespace limber
