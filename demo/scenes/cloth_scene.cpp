@@ -28,6 +28,9 @@ SoftBodySettings clothSettings(const SceneOptions& options) {
   settings.damping = 0.5;
   settings.pointRadius = kClothRadius;
   settings.friction = 0.5;
+  // in air it would sail down flat, and its corners could stay up
+  settings.flow.drag = 0.0;
+  settings.flow.linearDrag = 0.7;
   apply(options, settings);
   return settings;
 }
@@ -97,7 +100,6 @@ SceneResult createCloth(const SceneOptions& options) {
     const std::string reason = addPair(*scene, *network, clothSettings(options), at, random);
     if (!reason.empty()) return Error{reason};
   }
-  addAirDrag(*scene, 0.5);
   const double halfView = half + 0.36 * kClothWidth;
   scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-halfView, 0.0, -halfView),
                                         Eigen::Vector3d(halfView, 1.7, halfView));

@@ -105,6 +105,7 @@ SoftBodySettings clothSettings(const SceneOptions& options) {
   settings.totalMass = 1.0;
   settings.damping = 0.5;
   settings.pointRadius = kRadius;
+  settings.flow.linearDrag = 1.6;
   apply(options, settings);
   return settings;
 }
@@ -135,7 +136,6 @@ SceneResult createCurtain(const SceneOptions& options) {
     if (!reason.empty()) return Error{reason};
     addPushers(*scene, curtains, x, random);
   }
-  addAirDrag(*scene, 0.8);
   scene->beforeTick = [curtains](Scene& now) {
     const double seconds = double(now.ticks + 1) / double(kTicksPerSecond);
     for (std::size_t i = 0; i < curtains.boxes.size(); ++i)

@@ -41,6 +41,7 @@ SoftBodySettings ropeSettings(const SceneOptions& options) {
   settings.damping = 1.0;
   settings.pointRadius = kRopeRadius;
   settings.friction = 0.5;
+  settings.flow.linearDrag = 0.7;
   apply(options, settings);
   return settings;
 }
@@ -86,7 +87,6 @@ SceneResult createRope(const SceneOptions& options) {
     const std::string reason = addBody(*scene, *network, settings, look);
     if (!reason.empty()) return Error{reason};
   }
-  addAirDrag(*scene, 0.5);
   scene->view.box =
       Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0.1, -half.z()), Eigen::Vector3d(0.8, 1.7, half.z()));
   scene->view.direction = {0.38, 0.4, 1.0};

@@ -162,13 +162,6 @@ void apply(const SceneOptions& options, SoftBodySettings& settings) {
   if (options.mass) settings.totalMass = *options.mass;
 }
 
-void addAirDrag(Scene& scene, double perSecond) {
-  for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
-    SoftBody* body = scene.soft->body(b);
-    for (std::uint32_t i = 0; i < body->pointCount(); ++i) body->point(i)->setDamping(btScalar(perSecond), 0);
-  }
-}
-
 TickTimes tick(Scene& scene) {
   const btScalar step = btScalar(1) / btScalar(kTicksPerSecond);
   TickTimes times;

@@ -187,9 +187,6 @@ void noteOddSize(Scene& scene, double size);
 /// Overwrites the settings that the user has chosen.
 void apply(const SceneOptions& options, SoftBodySettings& settings);
 
-/// Slows the points of all bodies, like air: by a fraction of about `perSecond` of their velocity per second.
-void addAirDrag(Scene& scene, double perSecond);
-
 /// Durations of a tick, ms.
 struct TickTimes {
   double total = 0.0;

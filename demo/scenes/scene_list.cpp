@@ -18,6 +18,9 @@ const std::vector<SceneEntry>& sceneList() {
        &createTower},
       {"curtain", "balls and a box push a curtain that hangs from its upper edge", 10.0, false,
        &createCurtain},
+      {"flag", "flags fly in gusts of wind, which then drops", 16.0, false, &createFlag},
+      {"pool", "soft boxes of four densities fall into water; three float at their draughts", 12.0, false,
+       &createPool},
   };
   return kScenes;
 }

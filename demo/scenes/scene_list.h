@@ -30,5 +30,7 @@ SceneResult createPile(const SceneOptions& options);
 SceneResult createStack(const SceneOptions& options);
 SceneResult createTower(const SceneOptions& options);
 SceneResult createCurtain(const SceneOptions& options);
+SceneResult createFlag(const SceneOptions& options);
+SceneResult createPool(const SceneOptions& options);
 
 }  // namespace limber::scenes
