@@ -11,7 +11,10 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -56,8 +59,11 @@ struct Scene {
     s.stepping.stepper = Stepper::BandedNewton;
     add(*buildRope({2.0, 10, 0.1}), s);
     system.body(5)->pin(0);
-    add(*buildCloth({2.0, 2.0, 6, 6, 0.5, 0.1}), at(0, 4.0, 3));
+    s = at(0, 4.0, 3);
+    s.flow = FlowCoefficients();
+    add(*buildCloth({2.0, 2.0, 6, 6, 0.5, 0.1}), s);
     for (const std::uint32_t corner : {0u, 6u}) system.body(6)->pin(corner);
+    EXPECT_TRUE(system.setAir({1.2, {1, 0, 0}, gusts({2, 0, 0}, 1.0, 0.5)}));
     // far from contacts, calm from the start
     s = at(20, 20, 20);
     s.gravityFactor = 0.0;
@@ -214,6 +220,8 @@ TEST(SavedState, aCloneMovesLikeTheOriginal) {
 
 /// Bodies without springs between them: these are not part of a file.
 void expectEqualContinuation(Scene& old, Scene& loaded) {
+  // wind is not part of a file either
+  for (Scene* scene : {&old, &loaded}) EXPECT_TRUE(scene->system.setAir({1.2, {1, 0, 0}, {}}));
   ASSERT_EQ(loaded.hashes(), old.hashes());
   for (int i = kSavedAt; i < kEnd; ++i) {
     old.tick(i);
@@ -269,6 +277,49 @@ TEST(SavedBodies, damagedFilesAreRefusedAndCreateNothing) {
   }
   EXPECT_EQ(loaded.system.loadBodies({}).error(), "not a file of soft bodies: it is empty");
   EXPECT_EQ(loaded.system.bodyCount(), 0u);
+}
+
+// --- export ------------------------------------------------------------------------------------------------
+
+std::string contentOf(const std::string& file) {
+  std::ifstream stream(file);
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+std::size_t linesWith(const std::string& text, const std::string& start) {
+  std::istringstream stream(text);
+  std::size_t count = 0;
+  for (std::string line; std::getline(stream, line);) count += line.rfind(start, 0) == 0;
+  return count;
+}
+
+TEST(Export, writesThePresentSurfaceAndSprings) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), at(10, 0, 0));
+  const TriangleMesh mesh = body->surfaceMesh();
+  ASSERT_EQ(mesh.triangles.size(), 12u);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const std::uint32_t point = body->network().render.vertexToPoint[i];
+    EXPECT_LT((mesh.positions[i] - body->position(point)).norm(), 1e-6);
+    // outward at a corner of a cube: along its diagonal, as far as the triangles around it are balanced
+    EXPECT_GT(mesh.normals[i].cast<double>().dot((mesh.positions[i] - body->centerOfMass()).normalized()),
+              0.9);
+  }
+  const std::string base = ::testing::TempDir() + "limber_export_" + (test::kSurface ? "s" : "p");
+  for (const char* ending : {".obj", ".ply"}) {
+    ASSERT_TRUE(body->exportMesh(base + ending));
+    const std::string text = contentOf(base + ending);
+    EXPECT_EQ(linesWith(text, ending == std::string(".obj") ? "f " : "3 "), 12u) << text;
+    ASSERT_TRUE(body->exportSprings(base + ending));
+  }
+  EXPECT_EQ(linesWith(contentOf(base + ".obj"), "l "), body->network().springs.size());
+  EXPECT_EQ(linesWith(contentOf(base + ".ply"), "element edge 24"), 1u);
+  for (const char* ending : {".obj", ".ply"}) std::remove((base + ending).c_str());
+  EXPECT_EQ(body->exportMesh("cube.stl").error(), "cube.stl: the name must end in .obj or .ply");
+  SoftBody* rope = *system.createBody(*buildRope(), test::testedSettings());
+  EXPECT_EQ(rope->exportMesh("rope.obj").error(),
+            "rope.obj: the body has no surface; exportSprings() writes ropes");
 }
 
 }  // namespace

@@ -35,6 +35,11 @@ struct TriangleMesh {
 /// error: weld() drops and counts them.
 Result<void> validate(const TriangleMesh& mesh);
 
+/// Writes a mesh as text, by the ending of the name: .obj or .ply, with normals and texture coordinates if
+/// the mesh has them. The file appears complete or not at all. Errors name the file: another ending, an
+/// invalid mesh, a file that cannot be written.
+Result<void> saveMesh(const TriangleMesh& mesh, const std::string& file);
+
 // --- welding -----------------------------------------------------------------------------------------------
 
 /// Marks a vertex that no triangle uses, so that it has no point.

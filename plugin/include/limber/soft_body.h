@@ -94,6 +94,14 @@ class SoftBody {
   void writeSkinnedPositions(float* xyz) const;
   void writeSkinnedPositions(float* xyz, double tickFraction) const;
 
+  /// Returns the present surface, for export: the render surface with its skin and texture coordinates, or
+  /// the triangles of the points; with normals. Empty for ropes.
+  TriangleMesh surfaceMesh() const;
+  /// Write the present surface (saveMesh()), and the points and springs (saveSprings()), as .obj or .ply.
+  /// Errors as there; exportMesh() of a rope.
+  Result<void> exportMesh(const std::string& file) const;
+  Result<void> exportSprings(const std::string& file) const;
+
   // Errors of the following: no such point, a point that the application has deleted, a body that is
   // not alive().
 

@@ -95,7 +95,8 @@ class SoftBodySystem {
 
   // Saved states; SoftBody::saveState() says what they contain.
 
-  /// Return the state of all bodies and the settings of all springs, and restore it in a system that has as
+  /// Return the state of all bodies, the settings of all springs and the time of wind and fields, and restore
+  /// it in a system that has as
   /// many, made in the same order. Errors, with nothing changed: those of SoftBody::restoreState(), with the
   /// number of the body; other numbers of bodies or springs.
   std::vector<std::uint8_t> saveState();

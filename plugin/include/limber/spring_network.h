@@ -84,8 +84,8 @@ struct SpringNetwork {
 
 using SharedNetwork = std::shared_ptr<const SpringNetwork>;
 
-/// Returns the network with a group of these points and of all springs between them. Errors: an empty name, or
-/// one that the network has already; a point that it does not have.
+/// Returns the network with a group of these points and of all springs between them. Errors: an empty name,
+/// or one that the network has already; a point that it does not have.
 Result<SharedNetwork> withGroup(const SpringNetwork& network, const std::string& name,
                                 std::vector<std::uint32_t> points);
 
@@ -108,6 +108,12 @@ Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size);
 /// Writes the file under a temporary name and renames it, so that an incomplete file never exists under the
 /// final name. Errors name the file; networks that validate(SpringNetwork) rejects are not written.
 Result<void> saveNetwork(const SpringNetwork& network, const std::string& file);
+
+/// Writes points (#points, m) and the springs between them for other programs to look at: .obj with lines, or
+/// .ply with edges and their kinds. Errors name the file: another ending or number of points, a file that
+/// cannot be written.
+Result<void> saveSprings(const SpringNetwork& network, const std::vector<Eigen::Vector3d>& points,
+                         const std::string& file);
 
 /// Reads a file with fromBytes(). Errors contain the file's name.
 Result<SharedNetwork> loadNetwork(const std::string& file);

@@ -142,12 +142,12 @@ void dampByWaves(const SoftBodyData& body, BodyMedium& medium, const WaterPlane&
       addDrag(medium.drag, i, 0.0, plane.up, kWaveDrag * massOf(body.state.inverseMass, i), flow);
 }
 
+}  // namespace
+
 BodyMedium& mediumOf(SoftBodyData& body) {
   if (!body.medium) body.medium = std::make_unique<BodyMedium>();
   return *body.medium;
 }
-
-}  // namespace
 
 WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& scale) {
   WettedParts parts;

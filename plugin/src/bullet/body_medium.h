@@ -49,6 +49,9 @@ struct BodyMedium {
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, at point 0 in the last tick awake
 };
 
+/// Returns the body's medium, which is made if there is none.
+BodyMedium& mediumOf(SoftBodyData& body);
+
 /// Returns the parts of a network that a flow acts on. Closed triangles face outward at this scale.
 WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& scale);
 

@@ -19,6 +19,7 @@
 #include <limber/soft_body_system.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -111,6 +112,14 @@ void transferMaterial(Stream& stream, Settings& s) {
   }
 }
 
+template <class Stream, class Flow>
+void transferFlow(Stream& stream, Flow& flow) {
+  for (auto* coefficient : {&flow.drag, &flow.lift, &flow.linearDrag})
+    transferOptional(stream, "flow", *coefficient);
+  stream.value("flow", flow.friction);
+  stream.value("flow", flow.displacedVolume);
+}
+
 template <class Stream, class Settings>
 void transferSettings(Stream& stream, Settings& s) {
   transferVector(stream, "position", s.position);
@@ -128,6 +137,7 @@ void transferSettings(Stream& stream, Settings& s) {
   stream.value("sleepingSpeed", s.sleepingSpeed);
   stream.value("gravityFactor", s.gravityFactor);
   stream.value("maxPinSpeed", s.maxPinSpeed);
+  transferFlow(stream, s.flow);
   transferStepping(stream, s.stepping);
 }
 
@@ -153,6 +163,7 @@ struct BodyState {
   Stepper stepper = Stepper::Verlet;
   bool prefersImplicit = false;
   std::uint32_t restorations = 0;
+  Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
   std::vector<std::uint64_t> touched, key;  ///< #impulses: index in the world of the partner, features
   std::vector<double> impulse;              ///< 4 x #impulses, N s
 };
@@ -192,6 +203,7 @@ void transferState(Stream& stream, State& s) {
   stream.value("stepper", s.stepper);
   transferFlag(stream, "stepper", s.prefersImplicit);
   stream.value("restorations", s.restorations);
+  transferVector(stream, "wind", s.lastWind);
   stream.array("touched objects", s.touched);
   stream.array("touched features", s.key);
   stream.array("impulses", s.impulse);
@@ -295,6 +307,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.stepper = body.stepper;
   s.prefersImplicit = body.prefersImplicit;
   s.restorations = body.restorations;
+  if (body.medium) s.lastWind = body.medium->lastWind;
   return s;
 }
 
@@ -315,6 +328,7 @@ std::string checkState(const SoftBodyData& body, const BodyState& s) {
                             &s.yieldedLength, &s.softenedMass, &s.impulse})
     for (const double number : *array)
       if (!(std::abs(number) <= kMaxSound)) return "the saved state has a number that is not finite";
+  if (!(std::abs(s.frame.norm() - 1.0) < 1e-6)) return "the saved state has a frame that is no rotation";
   if (s.settings.collision != body.settings.collision)
     return "the saved state is of a body with another kind of collision";
   return {};
@@ -378,7 +392,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.masses.startPosition = pointsOf(s.startPosition);
   restoreSprings(body, s);
   restoreImpulses(body, s);
-  body.surface.frame = s.frame.normalized();
+  body.surface.frame = s.frame;
   body.calmTime = s.calmTime;
   body.errorPerSecond = s.errorPerSecond;
   body.errorCoefficient = s.errorCoefficient;
@@ -388,10 +402,11 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.stepper = s.stepper;
   body.prefersImplicit = s.prefersImplicit;
   body.restorations = s.restorations;
+  mediumOf(body).lastWind = s.lastWind;
   forgetCaches(body);
   writeToBullet(body);
   // writing has iterated further
-  body.surface.frame = s.frame.normalized();
+  body.surface.frame = s.frame;
   if (s.asleep) putToSleep(body);
 }
 
@@ -472,12 +487,14 @@ void transferSpring(Stream& stream, Settings& s) {
 
 /// The state of a system: of its bodies and single springs, in order of creation.
 struct SystemState {
+  double time = 0.0;  ///< s, of wind and fields
   std::vector<Bytes> bodies;
   std::vector<SpringSettings> springs;
 };
 
 template <class Stream, class State>
 void transferSystem(Stream& stream, State& state) {
+  stream.value("time", state.time);
   stream.resize("bodies", state.bodies, sizeof(std::uint64_t));
   for (auto& body : state.bodies) stream.array("bytes of a body", body);
   stream.resize("springs", state.springs, sizeof(std::uint64_t));
@@ -495,6 +512,7 @@ std::string checkCount(const char* what, std::size_t saved, std::size_t present)
 
 Bytes SoftBodySystem::saveState() {
   SystemState state;
+  state.time = impl_->surroundings.time;
   for (const auto& body : impl_->bodies) state.bodies.push_back(saveStateOf(*body->data_));
   for (const auto& spring : impl_->springs) state.springs.push_back(spring->settings());
   return sealedBytes(kSystemFormat,
@@ -514,11 +532,13 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
   for (std::size_t i = 0; i < state.bodies.size() && reason.empty(); ++i)
     if (const auto read = readState(*impl_->bodies[i]->data_, state.bodies[i]); !read)
       reason = "body " + std::to_string(i) + ": " + read.error();
+  if (reason.empty() && !(std::abs(state.time) <= kMaxSound)) reason = "its time is not finite";
   if (!reason.empty()) return Error{std::move(reason)};
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     const Result<void> restored = impl_->bodies[i]->restoreState(state.bodies[i]);
     if (!restored) return Error{"body " + std::to_string(i) + ": " + restored.error()};
   }
+  impl_->surroundings.time = state.time;
   for (std::size_t i = 0; i < state.springs.size(); ++i) impl_->springs[i]->settings_ = state.springs[i];
   impl_->step->groupsStale = true;
   return {};

@@ -100,14 +100,12 @@ void writeSkin(SoftBodyData& body, WritePoints writePoints, float* xyz) {
 
 void SoftBody::writePositions(float* xyz) const {
   readObject(*data_);
-  writeEach(
-      *data_, [&](std::uint32_t i) { return currentPosition(*data_, i); }, xyz);
+  writeEach(*data_, [&](std::uint32_t i) { return currentPosition(*data_, i); }, xyz);
 }
 
 void SoftBody::writePositions(float* xyz, double tickFraction) const {
   readObject(*data_);
-  writeEach(
-      *data_, [&](std::uint32_t i) { return positionAt(*data_, i, tickFraction); }, xyz);
+  writeEach(*data_, [&](std::uint32_t i) { return positionAt(*data_, i, tickFraction); }, xyz);
 }
 
 std::uint32_t SoftBody::skinnedPointCount() const {
@@ -116,13 +114,51 @@ std::uint32_t SoftBody::skinnedPointCount() const {
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz) const {
-  writeSkin(
-      *data_, [&](float* points) { writePositions(points); }, xyz);
+  writeSkin(*data_, [&](float* points) { writePositions(points); }, xyz);
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz, double tickFraction) const {
-  writeSkin(
-      *data_, [&](float* points) { writePositions(points, tickFraction); }, xyz);
+  writeSkin(*data_, [&](float* points) { writePositions(points, tickFraction); }, xyz);
+}
+
+TriangleMesh SoftBody::surfaceMesh() const {
+  const SpringNetwork& net = network();
+  const bool drawn = !net.render.triangles.empty();
+  std::vector<float> xyz(std::size_t{3} * (drawn ? skinnedPointCount() : pointCount()));
+  drawn ? writeSkinnedPositions(xyz.data()) : writePositions(xyz.data());
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t i = 0; i < xyz.size(); i += 3) points.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
+  TriangleMesh mesh;
+  mesh.triangles = drawn ? net.render.triangles : net.surface;
+  if (settings().scale.prod() < 0.0)
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  if (mesh.triangles.empty()) return {};
+  std::vector<std::uint32_t> followed = net.render.vertexToPoint;
+  if (!drawn)
+    for (std::uint32_t i = 0; i < points.size(); ++i) followed.push_back(i);
+  std::vector<Triangle> ofPoints = mesh.triangles;
+  for (Triangle& t : ofPoints)
+    for (std::uint32_t& corner : t) corner = followed[corner];
+  const std::vector<Eigen::Vector3d> normals = vertexNormals(points, ofPoints);
+  for (const std::uint32_t point : followed) {
+    mesh.positions.push_back(point == kNoPoint ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : points[point]);
+    mesh.normals.push_back(point == kNoPoint ? Eigen::Vector3f(0, 0, 1)
+                                             : normals[point].cast<float>().eval());
+  }
+  if (drawn) mesh.uvs = net.render.uvs;
+  return mesh;
+}
+
+Result<void> SoftBody::exportMesh(const std::string& file) const {
+  const TriangleMesh mesh = surfaceMesh();
+  if (mesh.triangles.empty()) return Error{file + ": the body has no surface; exportSprings() writes ropes"};
+  return saveMesh(mesh, file);
+}
+
+Result<void> SoftBody::exportSprings(const std::string& file) const {
+  std::vector<Eigen::Vector3d> points;
+  for (std::uint32_t i = 0; i < pointCount(); ++i) points.push_back(position(i));
+  return saveSprings(network(), points, file);
 }
 
 namespace {
