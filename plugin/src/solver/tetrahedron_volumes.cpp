@@ -32,15 +32,20 @@ Shape shapeOf(const Tetrahedron& t, const Points& position) {
   return shape;
 }
 
+/// Relative volume within which a change of the push counts as near.
+constexpr double kNear = 0.2;
+
 /// Returns the largest change of the push per relative volume (Pa) near this relative volume.
 double stiffnessNear(const TetrahedronVolumes& v, double relativeVolume) {
-  const bool nearlyCrushed = relativeVolume < kernel::kCrushed + 0.2;
-  return v->modulus + (nearlyCrushed ? v->crushModulus : 0.0);
+  const bool nearlyCrushed = relativeVolume < kernel::kCrushed + kNear;
+  const bool compressed = relativeVolume < 1.0 + kernel::kLargestCompression - kNear;
+  return (compressed ? 0.0 : v->modulus) + (nearlyCrushed ? v->crushModulus : 0.0);
 }
 
-/// Returns the integral of the limited relative volume change, minus `from`, from `from` to c.
-double energyOfChange(double c, double from) {
-  const double change = std::clamp(c, kernel::kLargestShrinking, kernel::kLargestSwelling) - from;
+/// Returns the integral of the relative volume change, limited below and above, minus `from`, from `from` to
+/// c.
+double energyOfChange(double c, double from, double smallest) {
+  const double change = std::clamp(c, smallest, kernel::kLargestSwelling) - from;
   // where the push has reached its limit, the integral is linear
   return change * (c - from - 0.5 * change);
 }
@@ -93,8 +98,9 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
   v.valence = valenceOf(v.tetrahedra, network.restPoints.size());
   v.edgesAreSprings = springsRunAlongEdges(network);
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
-  v.crushModulus = networkModulus(network, settings.scale, stiffness, sum);
-  v.modulus = settings.volumeModulus.value_or(v.crushModulus);
+  const double springModulus = networkModulus(network, settings.scale, stiffness, sum);
+  v.modulus = settings.volumeModulus.value_or(springModulus);
+  v.crushModulus = springModulus - 0.5 * std::min(springModulus, v.modulus);
   TetrahedronVolumes volumes;
   volumes.stabilityScale.assign(v.tetrahedra.size(), 0.0);
   volumes.rowSums.assign(network.restPoints.size(), 0.0);
@@ -103,7 +109,8 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
 }
 
 void prepareTetrahedra(TetrahedronVolumes& v, const Points& inverseMass, double dt) {
-  const double factor = (v->modulus + v->crushModulus) * dt * dt / (36.0 * kLargestCornerPhaseSquared);
+  const double stiffest = std::max(v->modulus, v->crushModulus);
+  const double factor = stiffest * dt * dt / (36.0 * kLargestCornerPhaseSquared);
   for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
     double largest = 0.0;
     for (const std::uint32_t corner : v->tetrahedra[i])
@@ -141,8 +148,9 @@ double tetrahedronEnergy(const TetrahedronVolumes& v, const Points& position) {
   for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
     const double change = shapeOf(v->tetrahedra[i], position).volume / v->restVolume[i] - 1.0;
     const double crushed = std::min(change, kernel::kCrushed - 1.0);
-    energy += v->restVolume[i] * (v->modulus * energyOfChange(change, 0.0) +
-                                  v->crushModulus * energyOfChange(crushed, kernel::kCrushed - 1.0));
+    energy += v->restVolume[i] *
+              (v->modulus * energyOfChange(change, 0.0, kernel::kLargestCompression) +
+               v->crushModulus * energyOfChange(crushed, kernel::kCrushed - 1.0, kernel::kLargestShrinking));
   }
   return energy;
 }
@@ -150,9 +158,10 @@ double tetrahedronEnergy(const TetrahedronVolumes& v, const Points& position) {
 TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& v, std::size_t i, const Points& position) {
   const Shape shape = shapeOf(v->tetrahedra[i], position);
   const double change = shape.volume / v->restVolume[i] - 1.0;
-  const bool limited = change < kernel::kLargestShrinking || change > kernel::kLargestSwelling;
-  const double crush = change < kernel::kCrushed - 1.0 ? v->crushModulus : 0.0;
-  return {shape.gradient, limited ? 0.0 : (v->modulus + crush) / v->restVolume[i]};
+  const bool limited = change < kernel::kLargestCompression || change > kernel::kLargestSwelling;
+  const bool crushed = change < kernel::kCrushed - 1.0 && change >= kernel::kLargestShrinking;
+  return {shape.gradient,
+          ((limited ? 0.0 : v->modulus) + (crushed ? v->crushModulus : 0.0)) / v->restVolume[i]};
 }
 
 double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {

@@ -118,15 +118,18 @@ double keptVolumeBoundSquared(VolumeArrays& volumes, const PointState& state, do
 
 /// The constants of the volume term of a body of tetrahedra. Each tetrahedron has the energy
 /// K/2 (V - V0)^2 / V0  of its signed volume V, which adds K to the first Lame constant of the material and
-/// nothing to its shear modulus. A tetrahedron that is crushed to less than kCrushed of its volume, or
-/// inverted, also has the energy  G/2 (kCrushed V0 - V)^2 / V0,  because springs alone are at rest in an
-/// inverted tetrahedron. The volume changes that cause the push are limited as in verlet_kernel.h.
+/// nothing to its shear modulus. Its push is limited at kLargestCompression. A tetrahedron that is crushed to
+/// less than kCrushed of its volume, or inverted, also has the energy  C/2 (kCrushed V0 - V)^2 / V0,  because
+/// springs alone are at rest in an inverted tetrahedron. The volume changes that cause the push are limited
+/// as in verlet_kernel.h. C is the Young's modulus G of all springs together where K is 0. It falls to half
+/// of that for K >= G, whose push helps to turn a tetrahedron over: the less push, the fewer tangled limbs
+/// are held in their tangle.
 ///
-/// Along its gradient g a tetrahedron oscillates with at most  omega^2 = n (K + G)/V0 w sum |g|^2,  where w
+/// Along its gradient g a tetrahedron oscillates with at most  omega^2 = n max(K, C)/V0 w sum |g|^2,  where w
 /// is the largest inverse mass of its corners and n its `valence`. This has no bound while the body is torn
 /// apart. Where omega^2 dt^2 exceeds kLargestCornerPhaseSquared, the force is scaled down to the largest
-/// stable one: `stabilityScale` is  n (K + G) w dt^2 / (36 V0 kLargestCornerPhaseSquared),  to be multiplied
-/// by 36 sum |g|^2.
+/// stable one: `stabilityScale` is  n max(K, C) w dt^2 / (36 V0 kLargestCornerPhaseSquared),  to be
+/// multiplied by 36 sum |g|^2.
 struct TetrahedronConstants {
   std::vector<Tetrahedron> tetrahedra;  ///< oriented for the body's scale
   std::vector<double> restVolume;       ///< #tetrahedra, m^3, above 0
@@ -134,7 +137,7 @@ struct TetrahedronConstants {
   Eigen::Array4Xd restGradientSquares;  ///< 4 x #tetrahedra, m^4, |dV / d corner|^2
   std::vector<double> valence;          ///< #tetrahedra, n: tetrahedra around its corners, the maximum
   double modulus = 0.0;                 ///< Pa, K
-  double crushModulus = 0.0;            ///< Pa, G: Young's modulus of all springs together
+  double crushModulus = 0.0;            ///< Pa, C
   bool edgesAreSprings = false;         ///< whether a spring runs along every edge
 };
 
