@@ -22,7 +22,7 @@ double separation(const MassProgramme& p, const MomentVector& direction) {
   double distance = -p.target.dot(direction);
   for (std::size_t i = 0; i < p.rows.size(); ++i) {
     const double along = p.rows[i].dot(direction);
-    distance += along * (along > 0.0 ? p.minFraction : p.maxFractions[i]);
+    distance += along * (along > 0.0 ? p.minFractions[i] : p.maxFractions[i]);
   }
   return distance / direction.norm();
 }
@@ -54,7 +54,7 @@ MassFractions shareMass(MassRule rule, const std::vector<Vector3d>& points,
   if (rule == MassRule::Moments) {
     MassProgramme p = massProgramme(points, surface, solid);
     result.leastMisfit = provenMisfit(p, matchMoments(p));
-    p.minFraction = 0.0;
+    p.minFractions.assign(p.minFractions.size(), 0.0);
     p.maxFractions.assign(points.size(), 1.0);
     if (result.leastMisfit > 0.0) result.leastMisfitAnyMass = provenMisfit(p, matchMoments(p));
   }

@@ -18,9 +18,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The programme has the solution  x_i = clamp(w_i (1 + A_i . y), l, m_i)  for the multipliers y that minimise
-// the convex, piecewise quadratic dual
-//     sum g_i(A_i . y) - t . y,   g_i'(s) = clamp(w_i (1 + s), l, m_i),
+// The programme has the solution  x_i = clamp(w_i (1 + A_i . y), l_i, m_i)  for the multipliers y that
+// minimise the convex, piecewise quadratic dual
+//     sum g_i(A_i . y) - t . y,   g_i'(s) = clamp(w_i (1 + s), l_i, m_i),
 // which has ten unknowns for any number of points. It is minimised by the proximal point method (R.
 // Rockafellar, "Augmented Lagrangians and applications of the proximal point algorithm", 1976): each round
 // adds 1/2 sum r (y - y_before)^2 and takes Newton steps. If no x has the moments t, the multipliers grow
@@ -33,7 +33,7 @@ constexpr int kMaxNewtonSteps = 50;
 
 /// Clamps s = A_i . y to the range in which the fraction is within its bounds.
 double clampedMultiplier(const MassProgramme& p, std::size_t i, double s) {
-  return std::clamp(s, p.minFraction / p.desired[i] - 1.0, p.maxFractions[i] / p.desired[i] - 1.0);
+  return std::clamp(s, p.minFractions[i] / p.desired[i] - 1.0, p.maxFractions[i] / p.desired[i] - 1.0);
 }
 
 double fraction(const MassProgramme& p, std::size_t i, const MomentVector& y) {
@@ -177,7 +177,7 @@ MassProgramme massProgramme(const std::vector<Vector3d>& points, const std::vect
   p.target << 1.0, 0.0, 0.0, 0.0, s(0, 0), s(1, 1), s(2, 2), s(1, 2), s(2, 0), s(0, 1);
   for (const Vector3d& point : points) p.rows.push_back(momentsOf((point - solid.centre) / unit));
   p.desired = areaFractions(points, surface);
-  p.minFraction = kMinFraction * mean;
+  p.minFractions.assign(points.size(), kMinFraction * mean);
   p.maxFractions.assign(points.size(), 1.0);
   for (const Triangle& t : surface)
     for (const std::uint32_t corner : t) p.maxFractions[corner] = std::min(1.0, kMaxFraction * mean);

@@ -35,12 +35,12 @@ std::vector<double> massFractions(MassRule rule, const std::vector<Eigen::Vector
 using MomentVector = Eigen::Matrix<double, 10, 1>;
 
 /// The quadratic programme that MassRule::Moments solves:
-///     min  1/2 sum (x_i - w_i)^2 / w_i   with  sum x_i A_i = t,  l <= x_i <= m_i
+///     min  1/2 sum (x_i - w_i)^2 / w_i   with  sum x_i A_i = t,  l_i <= x_i <= m_i
 struct MassProgramme {
   std::vector<MomentVector> rows;    ///< A, #points: the moments of a mass of 1 at a point
   MomentVector target;               ///< t, the solid's moments
   std::vector<double> desired;       ///< w, #points: Area's fractions
-  double minFraction;                ///< l
+  std::vector<double> minFractions;  ///< l, #points
   std::vector<double> maxFractions;  ///< m, #points
 };
 MassProgramme massProgramme(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& surface,

@@ -26,21 +26,6 @@ double volumeOfTetrahedra(const SpringNetwork& network) {
   return volume;
 }
 
-/// Gives a quarter of each tetrahedron's volume to each of its corners.
-std::vector<double> volumeShares(const SpringNetwork& network) {
-  std::vector<double> shares(network.restPoints.size(), 0.0);
-  const double volume = volumeOfTetrahedra(network);
-  for (const Tetrahedron& t : network.tetrahedra)
-    for (const std::uint32_t point : t) shares[point] += volumeOf(network.restPoints, t) / (4.0 * volume);
-  double sum = 0.0;
-  for (double& share : shares) {
-    share = std::max(share, kMinMassShare / static_cast<double>(shares.size()));
-    sum += share;
-  }
-  for (double& share : shares) share /= sum;
-  return shares;
-}
-
 std::string outOfRange(const char* name, double value, const char* rule) {
   char text[128];
   std::snprintf(text, sizeof text, "%s is %g, must be %s", name, value, rule);
@@ -99,8 +84,8 @@ SpringNetwork materialNetwork(TetrahedralMesh filling, const std::function<bool(
   network.restPoints = std::move(filling.points);
   network.tetrahedra = std::move(filling.tetrahedra);
   network.surface = std::move(filling.surface);
-  network.massFractions = volumeShares(network);
   setMaterialSprings(network, goOn, minGrowth);
+  network.massFractions = materialMasses(network);
   return network;
 }
 

@@ -79,7 +79,8 @@ FourthDegree fourthPower(const Eigen::Vector3d& n);
 /// lambda = mu = 2/5, C_xxxx = 6/5, C_xxyy = 2/5.
 FourthDegree isotropicElasticity();
 
-/// Smallest mass of a point, relative to the mean: the lightest point limits the time step.
+/// Smallest share of the volume, relative to the mean, with which a point counts where the springs' growth is
+/// limited for the time step: lighter points get more mass, see materialMasses().
 constexpr double kMinMassShare = 0.2;
 
 /// Makes springs of the edges of the tetrahedra, with constants that give the network the elasticity of a
@@ -109,7 +110,15 @@ constexpr double kMinMassShare = 0.2;
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {},
                           double minGrowth = 0.2);
 
-/// Returns the network of a filling: springs by setMaterialSprings(), masses by the volume of the tetrahedra.
+/// Returns the mass fractions of the points of a network with tetrahedra and springs, sum 1. A quarter of
+/// each tetrahedron's mass belongs to each of its corners, except that points that oscillate fastest against
+/// their neighbours, which limit the time step, are heavier, by 7 % of the body's mass in all. This comes
+/// from the other points. Centre of mass and inertia are those of the solid as far as no point has more
+/// than 1.3 times its quarters. The quarters alone have too much inertia, by up to a tenth: so the slowest
+/// vibrations are as true as with them.
+std::vector<double> materialMasses(const SpringNetwork& network);
+
+/// Returns the network of a filling: springs by setMaterialSprings(), masses by materialMasses().
 SpringNetwork materialNetwork(TetrahedralMesh filling, const std::function<bool(double)>& goOn = {},
                               double minGrowth = 0.2);
 
