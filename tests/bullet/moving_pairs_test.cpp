@@ -429,7 +429,7 @@ TEST(FastPairs, whatIsThrownHitsInItsFirstTick) {
         SoftBody* second = add(!thrownFirst);
         SoftBody *thrown = thrownFirst ? first : second, *other = thrownFirst ? second : first;
         bullet.simulate(0.1);
-        const double speed = pathPerTick / kTick;
+        const double speed = pathPerTick / test::kTick;
         thrown->surfaceObject()->setLinearVelocity(vec(0, 0, -speed));
         if (bothMove) other->surfaceObject()->setLinearVelocity(vec(0, 0, 0.3 * speed));
         bullet.tick();
