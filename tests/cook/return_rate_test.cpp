@@ -171,7 +171,7 @@ SharedNetwork materialOf(const TriangleMesh& mesh, std::uint32_t points) {
 }
 
 /// The exact springs of limbs of one cell are soft. With a volume term that pushed harder against crushing,
-/// the limbs of a third of the figures stayed folded after noise.
+/// limbs stayed folded after a quarter of such noise.
 TEST(ReturnRate, ofTetrahedraWithThinLimbsIsPerfect) {
   const SharedNetwork network = materialOf(test_shapes::figure(), 300);
   EXPECT_EQ(measureReturns(*network, Deformation::Noise, 15, 1000).returned, 15u);
