@@ -213,6 +213,31 @@ TEST(Softening, sparesTheSpringsThatAreSlowEnough) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(ends[i], ends[i + 3], 2e-5) << i;
 }
 
+TEST(Softening, withoutABudgetIsThatOfTenThousandSubsteps) {
+  constexpr double kMass = 1e-9, kStiffness = 1e12, kSpeed = 1e4;
+  SoftBodySettings s = stiff(kStiffness, kMass);
+  s.pointRadius = 0.01;
+  s.stepping.maxSubsteps = 0;
+  s.stepping.stepper = Stepper::Verlet;
+  Played played(test::pairNetwork(), s);
+  const double softened = played.body->softening() * kStiffness;
+  EXPECT_LT(softened, 1e4);
+  // the ends fly apart: with half the mass each, the spring stretches by  v / omega,  omega^2 = 4 k / m
+  for (const std::uint32_t end : {0u, 1u})
+    played.body->point(end)->setLinearVelocity(test::vec(end == 0 ? -0.5 * kSpeed : 0.5 * kSpeed, 0, 0));
+  double largest = 0.0;
+  for (int tick = 0; tick < 60; ++tick) {
+    played.bullet.tick(1.0 / (61.0 + tick));  // a quarter of the oscillation is one substep of 1/60 s / 10000
+    ASSERT_LE(played.body->substeps(), 10000);
+    largest = std::max(largest, (played.body->position(1) - played.body->position(0)).norm() - 1.0);
+  }
+  EXPECT_EQ(played.body->restorations(), 0u);
+  const double amplitude = kSpeed / std::sqrt(4.0 * softened / kMass);
+  EXPECT_GT(largest, 0.9 * amplitude);
+  // as few substeps a period as a budget leaves let the amplitude vary by the root of 2
+  EXPECT_LT(largest, 1.5 * amplitude);
+}
+
 TEST(Softening, isThatOfTheLongestTick) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);

@@ -30,7 +30,8 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
     if (GetParam() == TetrahedronStepper::Shared || GetParam() == TetrahedronStepper::Newton) {
       const auto kind = GetParam() == TetrahedronStepper::Shared ? MidpointSolver::Kind::Shared
                                                                  : MidpointSolver::Kind::Newton;
-      return stepImplicit(body.stepped(), implicit, kind, time, substeps, factors);
+      stepImplicit(body.stepped(), implicit, kind, time, substeps, factors);
+      return;
     }
     body.stepped().springBatches = GetParam() == TetrahedronStepper::Quads ? &springBatches : nullptr;
     // an unlinked rigid body selects the code for islands

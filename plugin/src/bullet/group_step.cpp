@@ -194,16 +194,27 @@ void rewind(LinkedGroup& group) {
   }
 }
 
-void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
-  if (group.stepper == Stepper::Verlet) {
-    useSpringBatches(group);
-    return stepVerlet(group.step, tick, group.substeps);
-  }
+/// Returns false if the implicit stepper did not succeed.
+bool stepImplicitly(LinkedGroup& group, double tick, SharedFactors& factors) {
   const auto kind =
       group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
   std::unique_ptr<ImplicitState>& implicit = group.bodies[0]->implicit;
   if (!implicit) implicit = std::make_unique<ImplicitState>();
-  stepImplicit(group.step.bodies[0], *implicit, kind, tick, group.substeps, factors);
+  return stepImplicit(group.step.bodies[0], *implicit, kind, tick, group.substeps, factors);
+}
+
+/// Bodies that an implicit stepper cannot step are stepped by Verlet, which is stable for all.
+void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
+  if (group.stepper != Stepper::Verlet) {
+    if (stepImplicitly(group, tick, factors)) return;
+    group.bodies[0]->implicit.reset();
+    rewind(group);
+    SteppingProblem problem = problemOf(group, tick);
+    problem.implicitPossible = false;
+    setChoice(group, limber::chooseStepping(problem, group.stepping));
+  }
+  useSpringBatches(group);
+  stepVerlet(group.step, tick, group.substeps);
 }
 
 /// Returns the largest of the bodies' errors divided by the square of the substep, m/s^3.

@@ -227,7 +227,7 @@ double solveMidpoint(const Substep& s) {
     const double before = moved;
     moved = iterate(s, i);
     s.implicit.remainder = remainder(moved, before);
-    if (moved <= tolerance) break;
+    if (moved <= tolerance || !std::isfinite(moved)) break;
   }
   return moved;
 }
@@ -238,7 +238,7 @@ double solveFollowing(const Substep& s) {
   atStart.position = s.implicit.start.data();
   for (int repeats = kMaxRepeats;; --repeats) {
     const double lastMovement = solveMidpoint(s);
-    if (repeats == 0 || !s.hasContacts() ||
+    if (repeats == 0 || !s.hasContacts() || !std::isfinite(lastMovement) ||
         !followDisplacement(s.implicit.contacts, s.points().position, atStart, s.span()))
       return lastMovement;
     guess(s);
@@ -274,6 +274,7 @@ bool guardEnergy(const Substep& s) {
   ImplicitState& state = s.implicit;
   const double after = energy(s.body), floor = state.energyFloor + work(s);
   const double allowed = kEnergySwing * std::abs(state.energyFloor) + kEnergyRounding * std::abs(after);
+  if (!std::isfinite(after)) return false;
   const double excess = after - floor - allowed;
   const double rest = excess > 0.0 ? removeKineticEnergy(s.points(), excess) : 0.0;
   if (rest > allowed) return false;
@@ -335,15 +336,16 @@ bool stepHalfByEuler(const Substep& s, const Eigen::Vector3d& spin) {
   return guardEnergy(s);
 }
 
-void advanceHalfByEuler(const Substep& s) {
+/// Returns false if neither guess leads to a motion without additional energy.
+bool advanceHalfByEuler(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
-  if (stepHalfByEuler(s, spin)) return;
+  if (stepHalfByEuler(s, spin)) return true;
   restart(s);
   Substep downhill = s;
   downhill.downhill = true;
   start(downhill);
-  if (!stepHalfByEuler(downhill, spin)) s.implicit.energyFloor = energy(s.body);
+  return stepHalfByEuler(downhill, spin);
 }
 
 /// m/s, root mean square: the midpoint rule's phase error (omega h)^2 / 12 (compare verletErrorRate), and the
@@ -358,7 +360,8 @@ double errorRate(const Substep& s) {
   return 2.0 * verletErrorRate(change, p.position.cols(), s.h) + s.implicit.remainder / s.h;
 }
 
-void advance(const Substep& s) {
+/// Returns false if no rule gives a motion without additional energy: rounding errors or friction prevail.
+bool advance(const Substep& s) {
   const Eigen::Vector3d spin = spinOf(s.points());
   start(s);
   const double lastMovement = solveFollowing(s);
@@ -368,14 +371,15 @@ void advance(const Substep& s) {
     s.points().position = 2.0 * s.points().position - s.implicit.start;
     setVelocities(s);
     keepSpin(s, spin);
-    if (guardEnergy(s)) return;
+    if (guardEnergy(s)) return true;
   }
   restart(s);
   for (const double half : {0.0, 0.5}) {
     Substep euler{s.body, s.implicit, s.time + half * s.h, s.h};
     euler.euler = true;
-    advanceHalfByEuler(euler);
+    if (!advanceHalfByEuler(euler)) return false;
   }
+  return true;
 }
 
 /// Applies the drag after a substep. The energy that it takes or gives does not count as an error.
@@ -410,7 +414,7 @@ bool canStepImplicitly(const SolverBody& body) {
          std::none_of(body.contacts->begin(), body.contacts->end(), moves);
 }
 
-void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
+bool stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
                   int substeps, SharedFactors& factors) {
   const double h = tick / substeps;
   implicit.solver.kind = kind;
@@ -428,10 +432,11 @@ void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
     }
     if (body.contacts) followSurfaces(*body.contacts, viewOf(*body.points), h);
     const Substep substep{body, implicit, i * h, h, false};
-    advance(substep);
+    if (!advance(substep)) return false;
     dragAfter(substep);
   }
   implicit.energyAtEnd = energy(body);
+  return true;
 }
 
 }  // namespace limber

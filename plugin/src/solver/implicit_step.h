@@ -70,7 +70,7 @@ bool followDisplacement(MidpointContacts& contacts, const Points& found, const P
 bool hasLoads(const MidpointContacts& contacts);
 
 /// Adds the loads, or their change, to the 3 x #points right hand side.
-void addLoads(const MidpointContacts& contacts, Eigen::Vector3d RowLoad::*part, Points& rightHandSide);
+void addLoads(const MidpointContacts& contacts, Eigen::Vector3d RowLoad::* part, Points& rightHandSide);
 
 /// Finishes a span of h/2 (displacementFactor 1) or h: points with a load stay at the surface, and the rows
 /// get their impulses.
@@ -110,7 +110,10 @@ bool canStepImplicitly(const SolverBody& body);
 /// iteration, angular momentum when converged. Energy that rounding of the iterations or the nonlinearity
 /// would add is removed from the internal motion (removeKineticEnergy). Allocates if the body, its springs or
 /// h are new.
-void stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
+///
+/// Returns false if it found no motion without additional energy, as for dampers or friction so strong that
+/// rounding errors prevail. The states of the body and of `implicit` then are of no use.
+bool stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kind kind, double tick,
                   int substeps, SharedFactors& factors);
 
 }  // namespace limber

@@ -36,6 +36,15 @@ void computeResponse(MidpointContacts& c, MidpointSolver& solver, Eigen::Index i
   }
 }
 
+/// Returns the largest eigenvalue of the symmetric matrix in the plane across `normal`. A body that is nearly
+/// rigid may give way along the plane far more easily than along the normal: loads corrected with the
+/// normal's mobility would grow in each sweep.
+double largestAcross(const Eigen::Vector3d& normal, const Eigen::Matrix3d& matrix) {
+  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.cross(u), mu = matrix * u;
+  const double a = u.dot(mu), b = v.dot(mu), c = v.dot(matrix * v);
+  return 0.5 * (a + c) + std::hypot(0.5 * (a - c), b);
+}
+
 /// Corrects the load of a row whose point moves from `start` to `end`; returns its error (m).
 double solveRow(MidpointContacts& c, MidpointSolver& solver, const PlaneContact& row, RowLoad& load,
                 const Eigen::Vector3d& start, const Eigen::Vector3d& end, const ContactSpan& span) {
@@ -45,13 +54,14 @@ double solveRow(MidpointContacts& c, MidpointSolver& solver, const PlaneContact&
   const double gap = row.normal.dot(end - surface) - allowedGap(row, start, span);
   if (gap >= 0.0 && before.isZero(0.0)) return 0.0;
   computeResponse(c, solver, load.pointIndex);
-  const double mobility =
-      span.displacementFactor * row.normal.dot(c.response.block<3, 3>(first, first) * row.normal);
+  const Eigen::Matrix3d response = span.displacementFactor * c.response.block<3, 3>(first, first);
+  const double mobility = row.normal.dot(response * row.normal);
   if (!(mobility > 0.0)) return 0.0;
   const double normal = std::max(0.0, row.normal.dot(before) - gap / mobility);
   const Eigen::Vector3d slip = end - start - span.duration * row.surfaceVelocity;
   const Eigen::Vector3d sliding = slip - row.normal.dot(slip) * row.normal;
-  Eigen::Vector3d tangential = before - row.normal.dot(before) * row.normal - sliding / mobility;
+  Eigen::Vector3d tangential =
+      before - row.normal.dot(before) * row.normal - sliding / largestAcross(row.normal, response);
   tangential *= coneFactor(tangential.squaredNorm(), row.friction * normal);
   const Eigen::Vector3d correction = normal * row.normal + tangential - before;
   load.change += correction;
@@ -144,7 +154,7 @@ bool hasLoads(const MidpointContacts& c) {
   return std::any_of(c.loads.begin(), c.loads.end(), [](const RowLoad& l) { return !l.load.isZero(0.0); });
 }
 
-void addLoads(const MidpointContacts& c, Eigen::Vector3d RowLoad::*part, Points& rightHandSide) {
+void addLoads(const MidpointContacts& c, Eigen::Vector3d RowLoad::* part, Points& rightHandSide) {
   for (std::size_t r = 0; r < c.loads.size(); ++r) rightHandSide.col((*c.rows)[r].point) += c.loads[r].*part;
 }
 

@@ -139,6 +139,10 @@ constexpr double kMaxForRotation = 1000.0;
 /// Largest number of substeps that a tolerance asks for: a substep of an implicit stepper takes up to 1 ms.
 constexpr int kMaxForTolerance = 1000;
 
+/// Largest number of implicit substeps of a body that touches something. Each may take a millisecond there;
+/// kMaxSubsteps of Verlet take less time than more of them.
+constexpr int kMaxTouchingImplicit = 100;
+
 /// Share of a tolerance that is used as target: the estimate of the error is accurate to about 10 %.
 constexpr double kSafety = 0.7;
 
@@ -176,7 +180,7 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
 /// below the default excludes steppers that cannot meet it, and an error tolerance makes them more expensive.
 /// So no error rises when a tolerance falls.
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
-  if (!p.implicitPossible) return Stepper::Verlet;
+  if (!p.implicitPossible || (p.touching && implicit > kMaxTouchingImplicit)) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
   const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.atDefault > kStrongDamping;
   const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&

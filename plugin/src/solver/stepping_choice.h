@@ -86,6 +86,7 @@ double fastestTurn(const SpringArrays& springs, const PointState& state, double 
 ///   - an implicit stepper, where the stable number of substeps costs more, for bodies in free motion:
 ///     Newton's method for ropes and chains, local/global iterations for all others; not with a
 ///     periodTolerance below the default;
+///   - Verlet instead of any implicit stepper for a touching body that would need very many of its substeps;
 /// A tolerance raises the number of substeps, maxSubsteps limits it, even below Verlet's stable number: see
 /// softened(). A stepper that the user has set is used where possible.
 SteppingChoice chooseStepping(const SteppingProblem& problem, const Stepping& settings);
