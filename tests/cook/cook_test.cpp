@@ -187,6 +187,14 @@ TEST(Cook, errorsSayWhy) {
   settings.size = -1.0;
   EXPECT_EQ(cook(ball(Vector3d::Zero()), settings).error(), "size is -1 m, must be above 0");
   settings = {};
+  settings.wrap.join = -1.0;
+  EXPECT_EQ(cook(ball(Vector3d::Zero()), settings).error(), "wrap.join is -1, must be 0 or more");
+  settings.wrap.join = 0.0;
+  settings.wrap.resolution = 1e-4;
+  settings.pieces = PieceRule::Separate;
+  const TriangleMesh two = joined(ball(Vector3d::Zero()), ball({5.0, 0.0, 0.0}));
+  EXPECT_EQ(cook(two, settings).error().rfind("wrap.resolution is 0.0001 m, must be larger", 0), 0u);
+  settings = {};
   settings.progress = [](const char*, double) { return false; };
   EXPECT_EQ(cook(ball(Vector3d::Zero()), settings).error(), "ended early: progress returned false");
   EXPECT_FALSE(cook(TriangleMesh{}));

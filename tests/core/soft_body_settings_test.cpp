@@ -19,6 +19,38 @@ TEST(SoftBodySettings, defaultsAndThePapersAreValid) {
   EXPECT_EQ(paper.damping, 0.2);
 }
 
+/// The bounds that the comments of the fields promise.
+TEST(SoftBodySettings, areAcceptedBetweenTheirBounds) {
+  using Settings = SoftBodySettings;
+  const auto expectBounds = [](auto field, double low, double high) {
+    Settings s;
+    for (const double inside : {low, high}) {
+      field(s) = inside;
+      EXPECT_TRUE(validate(s)) << validate(s).error();
+    }
+    for (const double outside : {low - 1e-12, std::nextafter(high, 1e300)}) {
+      field(s) = outside;
+      EXPECT_FALSE(validate(s)) << low << " to " << high;
+    }
+  };
+  for (auto field : {&Settings::extensionStiffness, &Settings::compressionStiffness, &Settings::damping,
+                     &Settings::pressure, &Settings::ambientPressure})
+    expectBounds([&](Settings& s) -> double& { return s.*field; }, 0, 1e12);
+  for (auto field : {&Settings::friction, &Settings::sleepingSpeed})
+    expectBounds([&](Settings& s) -> double& { return s.*field; }, 0, 1e6);
+  for (auto field : {&Stepping::tolerance, &Stepping::relativeTolerance})
+    expectBounds([&](Settings& s) -> double& { return s.stepping.*field; }, 0, 1e6);
+  for (auto field : {&ElasticLimit::stiffenStrain, &ElasticLimit::yieldStrain, &ElasticLimit::breakStrain})
+    expectBounds([&](Settings& s) -> double& { return s.elasticLimit.*field; }, 0, 1e6);
+  expectBounds([](Settings& s) -> double& { return s.elasticLimit.stiffenFactor; }, 1, 1e6);
+  expectBounds([](Settings& s) -> double& { return s.elasticLimit.yieldMaximum; }, 0, 0.999);
+  expectBounds([](Settings& s) -> double& { return s.stepping.periodTolerance; }, 1e-8, 1);
+  expectBounds([](Settings& s) -> double& { return s.totalMass; }, 1e-9, 1e9);
+  expectBounds([](Settings& s) -> double& { return s.restitution; }, 0, 1);
+  expectBounds([](Settings& s) -> double& { return s.volumeModulus.emplace(); }, 0, 1e15);
+  expectBounds([](Settings& s) -> double& { return s.pointRadius.emplace(); }, 1e-9, 1e4);
+}
+
 template <class Change>
 std::string reasonAfter(Change change) {
   SoftBodySettings s;

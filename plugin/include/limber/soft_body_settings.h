@@ -32,26 +32,27 @@ struct Stepping {
   Stepper stepper = Stepper::Auto;
   int minSubsteps = 5;  ///< per tick, 1 to 10000. With 5, the period of an oscillation of 30 ticks has an
                         ///< error below 1e-4; they cost little compared to Bullet's part of the tick
-  double periodTolerance = 0.04;   ///< largest relative error of the period of the body's stiffest
-                                   ///< oscillation (Verlet: (omega dt)^2 / 24), 1e-8 to 1. The error of
-                                   ///< slower ones is smaller by the square of the ratio. Half the error
-                                   ///< costs 1.41x the substeps
-  double tolerance = 0.0;          ///< m per second of motion, of SoftBody::errorPerSecond(); 0: not used
-  double relativeTolerance = 0.0;  ///< the same as a fraction of the body's size per second; 0: not used
+  double periodTolerance = 0.04;  ///< largest relative error of the period of the body's stiffest
+                                  ///< oscillation (Verlet: (omega dt)^2 / 24), 1e-8 to 1. The error of
+                                  ///< slower ones is smaller by the square of the ratio. Half the error
+                                  ///< costs 1.41x the substeps
+  double tolerance = 0.0;  ///< m per second of motion, of SoftBody::errorPerSecond(), to 1e6; 0: not used
+  double relativeTolerance =
+      0.0;  ///< the same as a fraction of the body's size per second, to 1e6; 0: not used
   int maxSubsteps =
-      0;  ///< per tick, up to 10000; 0: 10000. The springs, volume terms and links of a
+      0;  ///< per tick, 0 to 10000; 0: 10000. The springs, volume terms and links of a
           ///< body that would need more to be stable are softened to what these substeps resolve, see
           ///< SoftBody::softening(). So the cost is bounded at any stiffness. Bodies that touch
           ///< take the largest number of any of them, linked ones the smallest limit
 };
 
-/// Behaviour of springs beyond a strain, |length / rest length - 1|. A strain of 0 disables it.
+/// Behaviour of springs beyond a strain, |length / rest length - 1|, to 1e6. A strain of 0 disables it.
 struct ElasticLimit {
   double stiffenStrain = 0.0;   ///< beyond it the spring is stiffenFactor times as stiff (C. Hart's paper,
                                 ///< Fig. 5)
-  double stiffenFactor = 10.0;  ///< 1 or more
+  double stiffenFactor = 10.0;  ///< 1 to 1e6
   double yieldStrain = 0.0;     ///< beyond it the rest length changes permanently (perfect plasticity)
-  double yieldMaximum = 0.5;    ///< largest permanent strain, below 1; there the spring is elastic again
+  double yieldMaximum = 0.5;    ///< largest permanent strain, 0 to 0.999; there the spring is elastic again
   double breakStrain = 0.0;     ///< a spring longer than at rest is removed permanently beyond this strain
 };
 
@@ -94,19 +95,19 @@ struct SoftBodySettings {
   Eigen::Vector3d linearVelocity = Eigen::Vector3d::Zero();   ///< m/s, to 1e5
   Eigen::Vector3d angularVelocity = Eigen::Vector3d::Zero();  ///< rad/s, to 1e5, about the centre of mass
 
-  double extensionStiffness = 1000.0;    ///< N/m of each spring while longer than at rest, 0 or more
-  double compressionStiffness = 1000.0;  ///< N/m of each spring while shorter than at rest, 0 or more
-  double damping = 1.0;                  ///< N s/m along each spring, 0 or more; does not limit the time step
+  double extensionStiffness = 1000.0;    ///< N/m of each spring while longer than at rest, 0 to 1e12
+  double compressionStiffness = 1000.0;  ///< N/m of each spring while shorter than at rest, 0 to 1e12
+  double damping = 1.0;                  ///< N s/m along each spring, 0 to 1e12; does not limit the time step
   double totalMass = 1.0;                ///< kg, 1e-9 to 1e9
 
-  std::optional<double> volumeModulus;  ///< Pa, 0 or more, resists changes of the volume inside a closed
+  std::optional<double> volumeModulus;  ///< Pa, 0 to 1e15, resists changes of the volume inside a closed
                                         ///< surface; default: for each closed piece the combined stiffness
                                         ///< of its springs, 0 for all others (ropes, cloths, open pieces)
   // Gas in closed bodies. At the volume V it pushes outwards with  (p + a) V0 / V - a  per area, by the
   // pressure p, the ambient pressure a and the rest volume V0 (Boyle's law at constant temperature). A free
   // balloon swells until its springs, and its volume modulus unless it is 0, balance that.
-  double pressure = 0.0;  ///< Pa, 0 or more, p: gauge pressure, above the ambient one, at the rest volume
-  double ambientPressure = 0.0;  ///< Pa, 0 or more, a: outside. 0: the gas alone never balances, so without
+  double pressure = 0.0;  ///< Pa, 0 to 1e12, p: gauge pressure, above the ambient one, at the rest volume
+  double ambientPressure = 0.0;  ///< Pa, 0 to 1e12, a: outside. 0: the gas alone never balances, so without
                                  ///< springs a balloon swells without end, and it resists compression only
                                  ///< by p. 101325: air at sea level; it ends at  V = V0 (1 + p/a)  at most
                                  ///< and is stiff, like a ball or a tyre. The substeps follow the stiffness
@@ -115,16 +116,16 @@ struct SoftBodySettings {
   bool selfCollision = false;  ///< triangles, or the segments of a rope, also collide with each other,
                                ///< except where they share a point or are nearer at rest than the sum of the
                                ///< radii; needs Surface
-  std::optional<double> pointRadius;  ///< m, above 0, radius of each point mass as a sphere in Bullet;
+  std::optional<double> pointRadius;  ///< m, 1e-9 to 1e4, radius of each point mass as a sphere in Bullet;
                                       ///< default: 2 % of the shortest spring
-  double friction = 0.5;              ///< Bullet multiplies it with the partner's
-  double restitution = 0.0;           ///< 0..1, Bullet multiplies it with the partner's
+  double friction = 0.5;              ///< 0 to 1e6, Bullet multiplies it with the partner's
+  double restitution = 0.0;           ///< 0 to 1, Bullet multiplies it with the partner's
   int collisionGroup = 1;             ///< Bullet's filter group; 1 = btBroadphaseProxy::DefaultFilter
   int collisionMask = -1;             ///< Bullet's filter mask; -1 = btBroadphaseProxy::AllFilter
   bool continuousCollision = true;    ///< also find contacts within a tick that were not predicted at its
                                       ///< start, so that fast objects do not pass through
-  double sleepingSpeed = 0.1;  ///< m/s; a body falls asleep when all its points have been slower than this
-                               ///< for gDeactivationTime
+  double sleepingSpeed = 0.1;  ///< m/s, 0 to 1e6; a body falls asleep when all its points have been slower
+                               ///< than this for gDeactivationTime
   double gravityFactor = 1.0;  ///< of the world's gravity, -1000 to 1000; 0: weightless. Does not apply to
                                ///< points whose gravity the user has set (BT_DISABLE_WORLD_GRAVITY)
   double maxPinSpeed = 300.0;  ///< m/s, 1e-6 to 1e6; a pin whose target is farther than this allows in a tick
@@ -160,10 +161,10 @@ enum class SpringAction : std::uint8_t {
 
 /// A single spring with a parallel damper.
 struct SpringSettings {
-  std::optional<double> restLength;  ///< m, 0 or more; default: the distance of the ends when the spring is
+  std::optional<double> restLength;  ///< m, 0 to 1e6; default: the distance of the ends when the spring is
                                      ///< added; set in SpringConstraint::settings()
-  double stiffness = 1000.0;         ///< N/m, 0 or more
-  double damping = 0.0;              ///< N s/m along the spring, 0 or more, only while the spring acts
+  double stiffness = 1000.0;         ///< N/m, 0 to 1e12
+  double damping = 0.0;              ///< N s/m along the spring, 0 to 1e12, only while the spring acts
   SpringAction action = SpringAction::Both;
 };
 

@@ -2,7 +2,7 @@
 // Wraps any mesh by a closed surface: samples on a grid which places are inside, thickens sheets and fills
 // gaps there, joins far pieces by rods, and extracts the boundary by marching tetrahedra.
 
-#include <limber/mesh.h>
+#include "mesh/wrap.h"
 
 #include "mesh/edges.h"
 #include "mesh/surface.h"
@@ -463,15 +463,6 @@ constexpr double kMaxCells = 1e7;
 /// Cells along the longest side, unless settings say otherwise; and the default of the other sizes, in cells.
 constexpr double kDefaultCells = 64.0, kDefaultWidths = 2.0;
 
-std::string checkSettings(const WrapSettings& s) {
-  const std::array<std::pair<const char*, double>, 3> all{
-      {{"resolution", s.resolution}, {"thickness", s.thickness}, {"join", s.join}}};
-  for (const auto& [name, value] : all)
-    if (!std::isfinite(value) || value < 0.0)
-      return std::string(name) + " is " + inThreeDigits(value) + ", must be 0 or more";
-  return {};
-}
-
 Grid gridAround(const Eigen::AlignedBox3d& box, double width, double margin) {
   Grid grid;
   grid.width = width;
@@ -503,24 +494,40 @@ Result<Source> makeSource(const TriangleMesh& mesh, const WrapSettings& settings
 }
 
 /// Returns a grid with room for all changes around the mesh, or the reason why it is too large.
-Result<Grid> makeGrid(const Source& source) {
+Result<Grid> makeGrid(const Source& source, const std::string& prefix) {
   const double margin = 0.5 * (source.thickness + source.join) + 2.0 * source.resolution;
   Eigen::AlignedBox3d box;
   for (const Vector3d& p : source.points) box.extend(p);
   const double cells = ((box.sizes().array() + 2.0 * margin) / source.resolution + 1.0).prod();
   if (!(cells <= kMaxCells))
-    return Error{"a resolution of " + inThreeDigits(source.resolution) + " m needs " + inThreeDigits(cells) +
-                 " cells, there may be " + inThreeDigits(kMaxCells)};
+    return Error{prefix + "resolution is " + inThreeDigits(source.resolution) +
+                 " m, must be larger: it needs " + inThreeDigits(cells) + " cells, of " +
+                 inThreeDigits(kMaxCells) + " at most"};
   return gridAround(box, source.resolution, margin);
 }
 
 }  // namespace
 
+std::string checkWrapSettings(const WrapSettings& s, const std::string& prefix) {
+  const std::array<std::pair<const char*, double>, 3> all{
+      {{"resolution", s.resolution}, {"thickness", s.thickness}, {"join", s.join}}};
+  for (const auto& [name, value] : all)
+    if (!std::isfinite(value) || value < 0.0)
+      return prefix + name + " is " + inThreeDigits(value) + ", must be 0 or more";
+  return {};
+}
+
 Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings) {
-  if (std::string reason = checkSettings(settings); !reason.empty()) return Error{std::move(reason)};
+  return wrapOfField(mesh, settings, "");
+}
+
+Result<WrappedMesh> wrapOfField(const TriangleMesh& mesh, const WrapSettings& settings,
+                                const std::string& prefix) {
+  if (std::string reason = checkWrapSettings(settings, prefix); !reason.empty())
+    return Error{std::move(reason)};
   const Result<Source> source = makeSource(mesh, settings);
   if (!source) return Error{source.error()};
-  const Result<Grid> grid = makeGrid(*source);
+  const Result<Grid> grid = makeGrid(*source, prefix);
   if (!grid) return Error{grid.error()};
   WrappedMesh wrapped;
   wrapped.resolution = source->resolution;

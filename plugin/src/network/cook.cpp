@@ -7,6 +7,7 @@
 #include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
+#include "mesh/wrap.h"
 #include "network/material.h"
 #include "network/parts.h"
 #include "network/sheets.h"
@@ -39,7 +40,7 @@ std::string checkSettings(const CookSettings& s) {
   if (s.mode > CookMode::Braces) return "mode is none of the modes";
   if (s.skin && *s.skin > SkinKind::Barycentric) return "skin is none of the kinds";
   if (s.pieces > PieceRule::Connected) return "pieces is none of the rules";
-  return {};
+  return checkWrapSettings(s.wrap, "wrap.");
 }
 
 double scaleOf(double extent, const CookSettings& settings) {

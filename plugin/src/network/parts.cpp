@@ -6,6 +6,7 @@
 #include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
+#include "mesh/wrap.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -107,7 +108,7 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
   Result<Part> whole = makePart(mesh);
   if (!whole) return Error{whole.error()};
   if (whole->welded.report.components > 1 && mayBeApart) {
-    const Result<WrappedMesh> wrapped = wrap(mesh, settings);
+    const Result<WrappedMesh> wrapped = wrapOfField(mesh, settings, "wrap.");
     if (!wrapped) return Error{wrapped.error()};
     const Shells shells = findShells(wrapped->mesh);
     if (shells.bodies > 1 && shells.bodies <= kMaxBodies) {
@@ -131,7 +132,7 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
 Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, double thickness) {
   settings.connect = true;
   settings.thickness = std::max(settings.thickness, thickness);
-  const Result<WrappedMesh> result = wrap(mesh, settings);
+  const Result<WrappedMesh> result = wrapOfField(mesh, settings, "wrap.");
   if (!result) return Error{result.error()};
   TriangleMesh outside;
   outside.positions = result->mesh.positions;
