@@ -460,9 +460,6 @@ Soup findRods(const TriangleMesh& mesh, double thickness) {
 /// Largest number of cells of the grid.
 constexpr double kMaxCells = 1e7;
 
-/// Cells along the longest side, unless settings say otherwise; and the default of the other sizes, in cells.
-constexpr double kDefaultCells = 64.0, kDefaultWidths = 2.0;
-
 Grid gridAround(const Eigen::AlignedBox3d& box, double width, double margin) {
   Grid grid;
   grid.width = width;
@@ -480,7 +477,7 @@ Result<Source> makeSource(const TriangleMesh& mesh, const WrapSettings& settings
   Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
   const double size = extent(welded->points);
-  const double resolution = settings.resolution > 0.0 ? settings.resolution : size / kDefaultCells;
+  const double resolution = settings.resolution > 0.0 ? settings.resolution : size / kWrapCells;
   if (welded->triangles.size() > kManyTriangles)
     if (Result<WeldedMesh> coarser = weld(mesh, kDetail * resolution)) welded = std::move(coarser);
   flip(welded->triangles, patchesFacingInward(welded->points, welded->triangles));
@@ -489,8 +486,8 @@ Result<Source> makeSource(const TriangleMesh& mesh, const WrapSettings& settings
                 std::move(welded->triangles),
                 std::move(bvh),
                 resolution,
-                settings.thickness > 0.0 ? settings.thickness : kDefaultWidths * resolution,
-                settings.join > 0.0 ? settings.join : kDefaultWidths * resolution};
+                settings.thickness > 0.0 ? settings.thickness : kWrapWidths * resolution,
+                settings.join > 0.0 ? settings.join : kWrapWidths * resolution};
 }
 
 /// Returns a grid with room for all changes around the mesh, or the reason why it is too large.

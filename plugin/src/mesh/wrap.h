@@ -7,6 +7,10 @@
 
 namespace limber {
 
+/// Cells along the longest side of a mesh, unless settings say otherwise; and the default of the other sizes,
+/// in cells.
+constexpr double kWrapCells = 64.0, kWrapWidths = 2.0;
+
 /// Returns the first setting out of range, with the prefix before its name, and its rule; or an empty string.
 std::string checkWrapSettings(const WrapSettings& settings, const std::string& prefix);
 

@@ -22,6 +22,9 @@ constexpr std::size_t kMaxBodies = 32;
 /// Parts smaller than this fraction of the largest are left out.
 constexpr double kMinPartSize = 0.005;
 
+/// The finest cells, as a share of the thickness that all parts of a wrap get: finer ones show nothing more.
+constexpr double kCellsPerThickness = 8.0;
+
 /// Returns the part of the mesh with the marked triangles, and the vertices that these use.
 TriangleMesh partOf(const TriangleMesh& mesh, const std::vector<char>& marked) {
   TriangleMesh part;
@@ -131,6 +134,12 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
 
 Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, double thickness) {
   settings.connect = true;
+  if (settings.resolution == 0.0) {
+    const double cell = extent(mesh.positions) / kWrapCells;
+    settings.resolution = std::max(cell, thickness / kCellsPerThickness);
+    if (settings.thickness == 0.0) settings.thickness = kWrapWidths * cell;
+    if (settings.join == 0.0) settings.join = kWrapWidths * cell;
+  }
   settings.thickness = std::max(settings.thickness, thickness);
   const Result<WrappedMesh> result = wrapOfField(mesh, settings, "wrap.");
   if (!result) return Error{result.error()};
