@@ -22,7 +22,7 @@ namespace limber::scenes {
 namespace {
 
 /// To be raised when cook() makes other bodies of the same mesh.
-constexpr int kCookVersion = 2;
+constexpr int kCookVersion = 3;
 
 /// FNV-1a (G. Fowler, L. Noll, K.-P. Vo), 64 bits.
 class Hash {
@@ -80,7 +80,7 @@ void keep(const CookedMesh& cooked, const std::string& base) {
     std::ofstream out(temporary);
     out.precision(17);
     out << cooked.bodies.size() << ' ' << cooked.scale << '\n';
-    for (const CookedBody& body : cooked.bodies) out << body.thickness << '\n';
+    for (const CookedBody& body : cooked.bodies) out << body.thickness << ' ' << body.volume << '\n';
     for (const std::string& line : cooked.report) out << line << '\n';
     if (!out.flush()) return;
   }
@@ -95,7 +95,7 @@ Result<CookedMesh> load(const std::string& base) {
   if (!(in >> count >> cooked.scale) || count == 0 || count > 1000) return Error{"not cached"};
   for (std::size_t i = 0; i < count; ++i) {
     CookedBody body;
-    if (!(in >> body.thickness)) return Error{"damaged"};
+    if (!(in >> body.thickness >> body.volume)) return Error{"damaged"};
     Result<SharedNetwork> network = loadNetwork(bodyFile(base, i));
     if (!network) return Error{network.error()};
     body.network = std::move(*network);
@@ -111,7 +111,7 @@ Result<CookedMesh> bodiesOf(SharedNetwork network, const std::string& file) {
   CookedMesh cooked;
   cooked.report[0] = "body: " + file + ", " + std::to_string(network->restPoints.size()) + " points, " +
                      std::to_string(network->springs.size()) + " springs";
-  cooked.bodies.push_back({std::move(network), 0.0});
+  cooked.bodies.push_back({std::move(network), 0.0, 0.0});
   return cooked;
 }
 

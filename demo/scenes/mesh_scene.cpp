@@ -37,13 +37,20 @@ struct DroppedMesh {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< m, of the box
 };
 
+/// Bodies smaller than this share of their whole mesh are made 1 m long, instead of the whole: small bodies
+/// of the usual materials are so stiff that they would need very many substeps.
+constexpr double kScattered = 0.1;
+
 DroppedMesh measure(CookedMesh cooked, const std::optional<double>& scale) {
   Eigen::AlignedBox3d box;
-  for (const CookedBody& body : cooked.bodies)
+  double largest = 0.0;
+  for (const CookedBody& body : cooked.bodies) {
     for (const Eigen::Vector3d& p : body.network->restPoints) box.extend(p);
+    largest = std::max(largest, sizeOf(body.network->restPoints));
+  }
   const double extent = box.sizes().maxCoeff();
   DroppedMesh mesh;
-  mesh.scale = scale ? *scale / cooked.scale : 1.0 / extent;
+  mesh.scale = scale ? *scale / cooked.scale : 1.0 / (largest < kScattered * extent ? largest : extent);
   mesh.size = mesh.scale * extent;
   mesh.radius = 0.5 * mesh.scale * box.diagonal().norm();
   mesh.middle = mesh.scale * box.center();

@@ -40,6 +40,23 @@ TriangleMesh ball(const Vector3d& middle, double cut = 1.0) {
   return mesh;
 }
 
+/// A closed ring of wire.
+TriangleMesh ring(double radius, double wire) {
+  constexpr std::uint32_t kRings = 48, kSides = 8;
+  constexpr double kPi = 3.14159265358979;
+  TriangleMesh mesh;
+  for (std::uint32_t r = 0; r < kRings; ++r)
+    for (std::uint32_t s = 0; s < kSides; ++s) {
+      const double angle = 2.0 * kPi * r / kRings, side = 2.0 * kPi * s / kSides;
+      const double reach = radius + wire * std::cos(side);
+      mesh.positions.emplace_back(reach * std::cos(angle), reach * std::sin(angle), wire * std::sin(side));
+      const std::uint32_t a = r * kSides + s, b = r * kSides + (s + 1) % kSides, next = kRings * kSides;
+      mesh.triangles.push_back({a, (b + kSides) % next, b});
+      mesh.triangles.push_back({a, (a + kSides) % next, (b + kSides) % next});
+    }
+  return mesh;
+}
+
 /// A tube around an arc of 90 degrees, open at both ends.
 TriangleMesh tube(double length, double radius) {
   constexpr std::uint32_t kRings = 80, kSides = 8;
@@ -128,6 +145,24 @@ TEST(Cook, aClosedMeshIsFilledWithTetrahedra) {
   EXPECT_LE(n.restPoints.size(), 480u);
   EXPECT_EQ(c.bodies[0].thickness, 0.0);
   EXPECT_LT(skinError(n, mesh, 1.0), 1e-5);
+}
+
+TEST(Cook, aBodyHasTheMassOfItsMesh) {
+  const Material rubber = Material::rubber();
+  SoftBodySettings twice;
+  twice.scale.setConstant(2.0);
+  const Result<SoftBodySettings> made = withMaterial(cooked(ball(Vector3d::Zero())).bodies[0], rubber, twice);
+  ASSERT_TRUE(made) << made.error();
+  // a polyhedron of 24 rings has about a percent less than the ball of radius 1
+  EXPECT_NEAR(made->totalMass, rubber.density * 4.0 / 3.0 * 3.14159265, 0.015 * made->totalMass);
+}
+
+TEST(Cook, aRingOfWireHasAboutTheChosenNumberOfPoints) {
+  CookSettings settings;
+  settings.points = 300;
+  const std::size_t points = cooked(ring(0.5, 0.01), settings).bodies[0].network->restPoints.size();
+  EXPECT_GT(points, 0.75 * 300);
+  EXPECT_LT(points, 1.25 * 300);
 }
 
 TEST(Cook, anOpenMeshGetsAnInside) {

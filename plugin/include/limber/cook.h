@@ -47,6 +47,8 @@ struct CookSettings {
 struct CookedBody {
   SharedNetwork network;
   double thickness = 0.0;  ///< m: of a sheet, or the diameter of a rope; 0: a solid
+  double volume = 0.0;     ///< m^3 inside the mesh, which gives the mass; 0: that of the network, because the
+                           ///< mesh is not one closed surface or thin parts are thickened
 };
 
 struct CookedMesh {
@@ -64,7 +66,8 @@ struct CookedMesh {
 /// settings out of range; progress that returned false.
 Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings& settings = {});
 
-/// Returns the settings of a cooked body of this material: as withMaterial() for networks of tetrahedra. For
+/// Returns the settings of a cooked body of this material: as withMaterial() for networks of tetrahedra, with
+/// the mass of the mesh's volume, of which tetrahedra fill a few percent more or less. For
 /// braces, spring constants follow from  E = sum k L^2 / (6 V)  with the volume V, the modulus of a random
 /// isotropic network; for sheets from  E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is
 /// exact for a lattice of equilateral triangles; for ropes from  k = E A / L.  Errors: those of

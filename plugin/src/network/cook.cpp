@@ -192,8 +192,23 @@ double pointsOf(const Builder& builder, const Part& part, const Solid& solid) {
 
 /// Largest number of spacings that are tried, and the ratios of points to the wanted number that end the
 /// search.
-constexpr int kThickTrials = 5;
-constexpr double kTooMany = 1.2, kTooFew = 0.75;
+constexpr int kThickTrials = 6;
+constexpr double kTooMany = 1.2, kTooFew = 0.8;
+
+/// Searches the spacing (m) at which a thickened body has the wanted number of points. Their number falls
+/// with a power of the spacing, between that of solids and that of wires, which two trials tell.
+struct SpacingSearch {
+  double spacing, power = 2.5;
+  double lastSpacing = 0.0, lastRatio = 0.0;
+
+  /// `ratio`: of the points with the present spacing to the wanted number.
+  void next(double ratio) {
+    if (lastRatio > 0.0 && ratio != lastRatio)
+      power = std::clamp(std::log(lastRatio / ratio) / std::log(spacing / lastSpacing), 0.8, 3.5);
+    lastSpacing = std::exchange(spacing, spacing * std::pow(ratio, 1.0 / power));
+    lastRatio = ratio;
+  }
+};
 
 /// Returns about the spacing at which the solid has so many points when its thin parts are as thick as the
 /// lattice needs them. A sheet of area A / 2 then has the volume A s kLatticeThickness / 2.
@@ -210,22 +225,27 @@ double thickSpacing(const Solid& solid, double points) {
 /// thickness: the spacing is searched.
 Result<TetrahedralMesh> fillThickened(Builder& builder, const Part& part, const Solid& solid, double points) {
   Result<TetrahedralMesh> best = Error{};
-  double thickness = kLatticeThickness, spacing = thickSpacing(solid, points), used = spacing;
+  SpacingSearch search{thickSpacing(solid, points)};
+  double thickness = kLatticeThickness, used = search.spacing, nearest = HUGE_VAL;
   for (int i = 0; i < kThickTrials; ++i) {
     if (!builder.report("tetrahedra", double(i) / kThickTrials)) return Error{kEnded};
+    const double spacing = search.spacing;
     const Result<WeldedMesh> surface = wrapOutside(part.mesh, builder.settings.wrap, thickness * spacing);
     if (!surface) return Error{surface.error()};
     Result<TetrahedralMesh> filling = fillWithTetrahedra(*surface, spacing, &solid.surface);
     const bool isFilled = filling && isConnected(*filling);
-    if (isFilled || !best) best = std::move(filling);
-    if (!isFilled) {
-      thickness *= kThicker;
-      continue;
+    const double ratio = isFilled ? static_cast<double>(filling->points.size()) / points : HUGE_VAL;
+    const double distance = std::abs(std::log(ratio));
+    if (!best || distance < nearest) {
+      best = std::move(filling);
+      nearest = distance;
+      used = spacing;
     }
-    const double ratio = static_cast<double>(best->points.size()) / points;
-    used = spacing;
     if (ratio > kTooFew && ratio < kTooMany) break;
-    spacing *= std::pow(ratio, 0.4);
+    if (isFilled)
+      search.next(ratio);
+    else
+      thickness *= kThicker;
   }
   builder.choices.spacing = std::max(builder.choices.spacing, used);
   return best;
@@ -321,6 +341,7 @@ SkinKind skinFor(const WeldedMesh& mesh, const CookSettings& settings) {
 }
 
 Result<CookedBody> cookSolid(Builder& builder, const Part& part) {
+  const std::size_t thickened = builder.choices.thickened;
   Result<SpringNetwork> network =
       builder.settings.mode == CookMode::Braces ? brace(builder, part) : fillWithSprings(builder, part);
   if (!network) return Error{network.error()};
@@ -332,7 +353,9 @@ Result<CookedBody> cookSolid(Builder& builder, const Part& part) {
   if (!skinned) return Error{skinned.error()};
   if (!builder.report("skin", 1.0)) return Error{kEnded};
   ++builder.choices.solids;
-  return CookedBody{std::move(*skinned), 0.0};
+  const bool isExact = isOneSolid(part.welded.report) && builder.choices.thickened == thickened;
+  const double volume = isExact ? std::abs(signedVolume(part.welded.points, part.welded.triangles)) : 0.0;
+  return CookedBody{std::move(*skinned), 0.0, volume};
 }
 
 Result<CookedBody> cookPart(Builder& builder, const Part& part) {
@@ -433,69 +456,6 @@ Result<CookedMesh> cook(const TriangleMesh& input, const CookSettings& settings)
   cooked.report[1] = describeBodies(builder.choices, welded->report.components, settings);
   cooked.report[2] = describeDrawing(cooked.bodies, *parts, settings);
   return cooked;
-}
-
-// --- materials ---------------------------------------------------------------------------------------------
-
-namespace {
-
-/// Returns the sum of stiffnessScale times the square of the rest length over the springs that carry tension,
-/// m^2.
-double stiffnessMoment(const SpringNetwork& network, bool structuralOnly) {
-  double sum = 0.0;
-  for (const NetworkSpring& s : network.springs)
-    if (!structuralOnly || s.kind == SpringKind::Structural)
-      sum += s.stiffnessScale * (network.restPoints[s.b] - network.restPoints[s.a]).squaredNorm();
-  return sum;
-}
-
-double areaOf(const SpringNetwork& network) {
-  double area = 0.0;
-  for (const Triangle& t : network.surface)
-    area += areaVector(network.restPoints[t[0]], network.restPoints[t[1]], network.restPoints[t[2]]).norm();
-  return area;
-}
-
-/// Spring constant (N/m) for 1 Pa, and the volume (m^3) of the material, at scale 1.
-struct FormMaterial {
-  double stiffness = 0.0, volume = 0.0;
-};
-
-FormMaterial materialOf(const CookedBody& body) {
-  const SpringNetwork& n = *body.network;
-  if (n.kind == NetworkKind::Rope) {
-    const double section = 0.25 * kPi * body.thickness * body.thickness;
-    double length = 0.0;
-    for (std::size_t i = 1; i < n.restPoints.size(); ++i)
-      length += (n.restPoints[i] - n.restPoints[i - 1]).norm();
-    return {section * static_cast<double>(n.restPoints.size() - 1) / length, section * length};
-  }
-  if (body.thickness > 0.0) {
-    const double area = areaOf(n);
-    return {3.0 * body.thickness * area / stiffnessMoment(n, true), body.thickness * area};
-  }
-  const double volume = std::abs(signedVolume(n.restPoints, n.surface));
-  return {6.0 * volume / stiffnessMoment(n, false), volume};
-}
-
-}  // namespace
-
-Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
-                                      SoftBodySettings settings) {
-  if (!body.network->tetrahedra.empty()) return withMaterial(*body.network, material, std::move(settings));
-  if (Result<void> valid = validate(material); !valid) return Error{valid.error()};
-  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
-  const double volumeScale = std::abs(settings.scale.prod()), lengthScale = std::cbrt(volumeScale);
-  const FormMaterial form = materialOf(body);
-  settings.extensionStiffness = settings.compressionStiffness =
-      lengthScale * form.stiffness * material.youngsModulus;
-  settings.totalMass = material.density * form.volume * volumeScale;
-  if (material.dampingTime) settings.damping = *material.dampingTime * settings.extensionStiffness;
-  if (body.thickness > 0.0 && !settings.pointRadius)
-    settings.pointRadius = 0.5 * lengthScale * body.thickness;
-  if (Result<void> valid = validate(settings); !valid)
-    return Error{"a body of this material: " + valid.error()};
-  return settings;
 }
 
 }  // namespace limber

@@ -164,7 +164,7 @@ std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness,
   if (!network) return std::nullopt;
   auto cloth = std::make_shared<SpringNetwork>(**network);
   cloth->kind = NetworkKind::Cloth;
-  return CookedBody{std::move(cloth), thickness};
+  return CookedBody{std::move(cloth), thickness, 0.0};
 }
 
 }  // namespace
@@ -289,7 +289,7 @@ std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
   if (!straight) return std::nullopt;
   auto rope = std::make_shared<SpringNetwork>(**straight);
   rope->restPoints = axis;
-  return CookedBody{std::move(rope), 2.0 * radius};
+  return CookedBody{std::move(rope), 2.0 * radius, 0.0};
 }
 
 }  // namespace limber
