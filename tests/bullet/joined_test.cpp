@@ -166,9 +166,9 @@ const std::pair<const char*, MakeJoint> kJoints[] = {
      }},
 };
 
-class Dice {
+class JointDice {
  public:
-  explicit Dice(unsigned seed) : numbers_(seed) {}
+  explicit JointDice(unsigned seed) : numbers_(seed) {}
   double between(double low, double high) { return low + (high - low) * (double(numbers_()) / 4294967296.0); }
   double decades(double low, double high) { return std::pow(10.0, between(low, high)); }
 
@@ -176,7 +176,7 @@ class Dice {
   std::mt19937 numbers_;  // defined by the standard: the same numbers on all platforms
 };
 
-btTransform randomFrame(Dice& dice) {
+btTransform randomFrame(JointDice& dice) {
   const btVector3 pivot = vec(dice.between(-.5, .5), dice.between(0, .5), dice.between(-.5, .5));
   const btVector3 axis = vec(dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)).normalized();
   return btTransform(btQuaternion(axis, static_cast<btScalar>(dice.between(0, 3))), pivot);
@@ -184,7 +184,7 @@ btTransform randomFrame(Dice& dice) {
 
 /// Simulates a cube that is attached by a corner to a box on the joint. Nothing collides.
 void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
-  Dice dice(seed);
+  JointDice dice(seed);
   BulletWorld bullet;
   SoftBodySystem system(*bullet.world);
   const double mass = dice.decades(-1, 1.5), softMass = dice.decades(-1, 1);

@@ -25,7 +25,7 @@ using test::BulletWorld;
 using test::vec;
 using Bytes = std::vector<std::uint8_t>;
 
-SoftBodySettings at(double x, double y, double z) {
+SoftBodySettings placed(double x, double y, double z) {
   SoftBodySettings s = test::testedSettings();
   s.position = {x, y, z};
   return s;
@@ -38,34 +38,34 @@ struct Scene {
     bullet.add(std::make_unique<btSphereShape>(btScalar(0.5)), 0.0, vec(3, 0.3, 0));
     if (!withBodies) return;
     const SharedNetwork cube = test::closedCubeNetwork();
-    SoftBodySettings s = at(0, 0.8, 0);
+    SoftBodySettings s = placed(0, 0.8, 0);
     s.angularVelocity = {1, 2, 3};
     add(cube, s);
-    s = at(0.3, 2.0, 0.2);
+    s = placed(0.3, 2.0, 0.2);
     s.pressure = 50.0;
     add(cube, s);
-    add(cube, at(3, 2.0, 0.1));
-    s = at(-3, 1.0, 0);
+    add(cube, placed(3, 2.0, 0.1));
+    s = placed(-3, 1.0, 0);
     s.elasticLimit.yieldStrain = 0.01;
     s.elasticLimit.breakStrain = 0.1;
     s.linearVelocity = {0, -8, 0};
     add(cube, s);
-    s = at(-6, 1.0, 0);
+    s = placed(-6, 1.0, 0);
     s.extensionStiffness = s.compressionStiffness = 1e6;
     s.stepping.maxSubsteps = 10;
     add(test::tetrahedralCubeNetwork(), s);
-    s = at(6, 3.0, 0);
+    s = placed(6, 3.0, 0);
     s.extensionStiffness = s.compressionStiffness = 1e7;
     s.stepping.stepper = Stepper::BandedNewton;
     add(*buildRope({2.0, 10, 0.1}), s);
     system.body(5)->pin(0);
-    s = at(0, 4.0, 3);
+    s = placed(0, 4.0, 3);
     s.flow = FlowCoefficients();
     add(*buildCloth({2.0, 2.0, 6, 6, 0.5, 0.1}), s);
     for (const std::uint32_t corner : {0u, 6u}) system.body(6)->pin(corner);
     EXPECT_TRUE(system.setAir({1.2, {1, 0, 0}, gusts({2, 0, 0}, 1.0, 0.5)}));
     // far from contacts, calm from the start
-    s = at(20, 20, 20);
+    s = placed(20, 20, 20);
     s.gravityFactor = 0.0;
     add(cube, s);
     SpringSettings spring;
@@ -296,7 +296,7 @@ std::size_t linesWith(const std::string& text, const std::string& start) {
 TEST(Export, writesThePresentSurfaceAndSprings) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), at(10, 0, 0));
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), placed(10, 0, 0));
   const TriangleMesh mesh = body->surfaceMesh();
   ASSERT_EQ(mesh.triangles.size(), 12u);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {

@@ -42,6 +42,7 @@ class Writer {
   void otherObjects();
   void joint(int at = -1);
   void user(int frames);
+  void surroundings(int frames);
   void userStep(int at);
   bool mayBePulled(int soft) const;
   void userOnPoints(Step& step);
@@ -442,6 +443,20 @@ void Writer::user(int frames) {
   for (int i = 0; i < count; ++i) when.push_back(dice_.chance(0.15) ? 0 : dice_.below(frames));
   std::sort(when.begin(), when.end());
   for (const int at : when) userStep(at);
+  surroundings(frames);
+}
+
+/// Has dice of its own, so that the rest of a story does not depend on it.
+void Writer::surroundings(int frames) {
+  Dice dice(story_.seed + 0x5a17);
+  for (int i = dice.of({0, 0, 1, 2, 3}); i > 0; --i) {
+    Step s(Kind::Surround, dice.chance(0.5) ? 0 : dice.below(frames));
+    s.choose("what", dice.of({"air", "gusts", "vacuum", "water", "water", "dry", "field", "no-field"}));
+    s.set("system", systems_ == 2 ? dice.below(2) : 0)
+        .set("of", dice.chance(0.5) ? softs_[static_cast<std::size_t>(dice.below(int(softs_.size())))] : 0);
+    s.set("flow", dice.ball(dice.of({1.0, 10.0, 60.0}))).set("level", dice.number(-1.0, 3.0));
+    story_.steps.push_back(s);
+  }
 }
 
 Story Writer::write() {

@@ -22,10 +22,12 @@ std::optional<Failure> checkRepeats(const Story& story, const Run& first) {
 }
 
 /// Whether soft bodies act on rigid ones without contact: through springs, anchors, filters or callbacks.
+/// Water and fields push them faster than softIsNearRigid() expects.
 bool actsFromAfar(const Story& story) {
   for (const Step& s : story.steps)
     if (s.kind == Kind::Spring || s.kind == Kind::Attach || s.kind == Kind::Vehicle ||
-        s.kind == Kind::Character || s.kind == Kind::OverlapFilter || s.phase == Phase::Listener)
+        s.kind == Kind::Character || s.kind == Kind::OverlapFilter || s.kind == Kind::Surround ||
+        s.phase == Phase::Listener)
       return true;
   return false;
 }

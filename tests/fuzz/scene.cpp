@@ -259,6 +259,8 @@ void WorldPlayer::addSoft(const Step& s) {
   SoftBodySystem* system = systemOf(index);
   if (!system || softs_.count(s.id)) return;
   SoftBodySettings settings = softSettings(s);
+  // the laws of these stories scale masses, lengths and times, but not the air
+  if (settings_.choice("promise") != "wild") settings.flow.drag = settings.flow.linearDrag = 0.0;
   SharedNetwork network = networkNamed(s.choice("network"));
   if (options_.nudge > 0.0) {
     Random random(static_cast<std::uint64_t>(s.id + 1000 * options_.nudgeNumber));

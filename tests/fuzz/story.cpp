@@ -169,7 +169,10 @@ std::vector<KindInfo> userKinds() {
       {"sync", {choice("what", "motion-states clear-forces apply-gravity no-step aabbs reset-caches")}},
       {"hook", {choice("what", "overwrite rehook")}},
       {"clock", {number("dt", 0.0166667, kTime), number("fixed", 0.0166667, kTime), number("sub-steps")}},
-      {"system", {choice("what", "remove-all destroy add"), number("system")}}};
+      {"system", {choice("what", "remove-all destroy add"), number("system")}},
+      {"surround",
+       {choice("what", "air gusts vacuum water dry field no-field"), number("system"), vector("flow", kSpeed),
+        number("level", 0, kLength), reference("of")}}};
 }
 
 const std::vector<KindInfo>& kinds() {

@@ -122,6 +122,8 @@ void WorldPlayer::act(const Step& s) {
     case Kind::Clock:
       clock_ = s;
       return;
+    case Kind::Surround:
+      return surround(s);
     default:
       return changeSystem(s);
   }

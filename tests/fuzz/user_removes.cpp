@@ -129,6 +129,33 @@ void WorldPlayer::enter(const Step& s) {
 }
 
 /// Performs steps on the systems, their listener or their callback.
+void WorldPlayer::surround(const Step& s) {
+  SoftBodySystem* system = systemOf(static_cast<std::size_t>(s.whole("system")));
+  if (!system || !options_.softBodies) return;
+  const std::string& what = s.choice("what");
+  const Eigen::Vector3d flow = s.vec("flow");
+  Air air;
+  air.wind = flow;
+  if (what == "gusts") air.windAt = gusts(flow, 3.0 + flow.norm(), 0.7);
+  if (what == "vacuum") air.density = 0.0;
+  if (what == "air" || what == "gusts" || what == "vacuum") static_cast<void>(system->setAir(air));
+  Water water;
+  water.level = s["level"];
+  water.flow = flow;
+  if (what == "water") static_cast<void>(system->setWater(water));
+  if (what == "dry") static_cast<void>(system->setWater(std::nullopt));
+  const ForceField vortex = [flow](const FieldPoints& p) {
+    for (std::size_t i = 0; i < p.count; ++i) {
+      const Eigen::Map<const Eigen::Vector3d> x(p.positions + 3 * i), v(p.velocities + 3 * i);
+      Eigen::Map<Eigen::Vector3d>(p.accelerations + 3 * i) +=
+          flow.cross(Eigen::Vector3d(x / (1.0 + x.norm()))) - v;
+    }
+  };
+  if (what == "field")
+    if (const auto field = system->addField(vortex, livingSoft(s.whole("of")))) fields_.push_back(*field);
+  if (what == "no-field" && !fields_.empty()) static_cast<void>(system->removeField(fields_.back()));
+}
+
 void WorldPlayer::changeSystem(const Step& s) {
   if (s.kind == Kind::Hook) {
     if (s.choice("what") == "overwrite") {

@@ -110,6 +110,7 @@ class WorldPlayer {
   void castRay(const Step& step);
   void synchronize(const Step& step);
   void changeSystem(const Step& step);
+  void surround(const Step& step);
   void destroy(const Step& step);
   void destroySoft(int id, const std::string& how, std::uint32_t point);
   void destroyRigid(int id);
@@ -173,6 +174,7 @@ class WorldPlayer {
   std::map<int, SpringObject> springs_;
   std::map<int, SoftObject> softs_;
   std::vector<std::unique_ptr<SoftBodySystem>> systems_;
+  std::vector<std::uint64_t> fields_;  ///< numbers of fields that were added
 };
 
 }  // namespace limber::fuzz

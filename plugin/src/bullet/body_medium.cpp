@@ -6,8 +6,11 @@
 
 #include "bullet/soft_body_data.h"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -27,6 +30,9 @@ constexpr double kWaveDrag = 0.5;
 
 /// Of a bluff solid in water.
 constexpr double kSolidDragInWater = 1.0;
+
+/// Square of the phase in a tick with which a part of a body may bob by itself.
+constexpr double kMaxLocalPhase = 0.5;
 
 /// m/s, the largest wind that is taken from the user's function.
 constexpr double kMaxWind = 1e4;
@@ -112,6 +118,74 @@ double addDisplacement(const SoftBodyData& body, BodyMedium& medium, const Water
   return planeArea;
 }
 
+/// Returns the share of the water's forces that act where the pressure is. Forces that may move a part of a
+/// light body by much of its size within a tick change faster than once a tick, and crush the body.
+double localShare(const Vector3d& lift, const WaterPlane& plane, double mass, double tick) {
+  const double area = std::pow(lift.norm() / plane.weight, 2.0 / 3.0);
+  const double phase = plane.weight * area * tick * tick / mass;
+  return std::clamp((kMaxLocalPhase - phase) / (0.5 * kMaxLocalPhase), 0.0, 1.0);
+}
+
+/// The forces of the water on a body as a whole.
+struct Lift {
+  double mass = 0.0;                     ///< kg, of the points that are not held
+  Vector3d center = Vector3d::Zero();    ///< m, of that mass
+  Vector3d sum = Vector3d::Zero();       ///< N
+  Vector3d rotation = Vector3d::Zero();  ///< rad/s^2, by the torque
+};
+
+Lift liftOf(const PointState& s, const Points& force) {
+  Lift lift;
+  for (Eigen::Index i = 0; i < force.cols(); ++i) {
+    const double own = massOf(s.inverseMass, i);
+    lift.mass += own, lift.center += own * s.position.col(i), lift.sum += force.col(i);
+  }
+  if (!(lift.mass > 0.0)) return lift;
+  lift.center /= lift.mass;
+  Vector3d torque = Vector3d::Zero();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < force.cols(); ++i) {
+    const Vector3d r = s.position.col(i) - lift.center;
+    torque += r.cross(Vector3d(force.col(i)));
+    inertia += massOf(s.inverseMass, i) *
+               (r.squaredNorm() * Eigen::Matrix3d::Identity() - Eigen::Matrix3d(r * r.transpose()));
+  }
+  inertia += 1e-9 * inertia.trace() * Eigen::Matrix3d::Identity();
+  lift.rotation = inertia.ldlt().solve(torque);
+  return lift;
+}
+
+/// Makes the forces on a light body act as a whole, with the same sum and torque, as far as they must not act
+/// locally. Such a body also has the inertia of the water that it pushes aside: half the displaced mass, as
+/// for a sphere. Returns the share of its own mass in both; net forces, and so gravity, are scaled by it.
+double steadyForces(const SoftBodyData& body, Points& force, const WaterPlane& plane, double tick) {
+  const PointState& s = body.state;
+  const Lift lift = liftOf(s, force);
+  if (!(lift.mass > 0.0)) return 1.0;
+  const double local = localShare(lift.sum, plane, lift.mass, tick);
+  if (local == 1.0) return 1.0;
+  const double density = body.surroundings->water->density, gravity = plane.weight / density;
+  const double added = (1.0 - local) * 0.5 * lift.sum.norm() / gravity;
+  const double own = lift.mass / (lift.mass + added);
+  for (Eigen::Index i = 0; i < force.cols(); ++i) {
+    const double mass = massOf(s.inverseMass, i);
+    const Vector3d rigid =
+        lift.sum / lift.mass + lift.rotation.cross(Vector3d(s.position.col(i) - lift.center));
+    const Vector3d whole = local * force.col(i) + (1.0 - local) * mass * rigid;
+    force.col(i) = own * whole + (1.0 - own) * mass * gravity * plane.up;
+  }
+  return own;
+}
+
+/// Returns the plane lowered to the top of a body that is under water. The pressure there acts on all sides
+/// and moves nothing; without it bodies far below are not crushed.
+WaterPlane planeAt(const Points& position, WaterPlane plane) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < position.cols(); ++i) top = std::max(top, plane.up.dot(position.col(i)));
+  plane.level = std::min(plane.level, top);
+  return plane;
+}
+
 /// Adds the buoyancy to the accelerations. It is that of the predicted positions in the middle of the tick:
 /// then a constant force over the tick keeps the energy of bobbing bodies. Returns the square of the phase of
 /// bobbing in a tick.
@@ -119,12 +193,19 @@ double addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& 
   medium.predicted = body.state.position + 0.5 * tick * body.state.velocity;
   medium.force.setZero(3, medium.predicted.cols());
   const WettedParts& parts = body.model->parts;
-  double area = addBuoyancy(parts.closed, medium.predicted, plane, medium.force);
+  double area = 0.0, own = 1.0;
+  if (!parts.closed.empty()) {
+    const WaterPlane lowered = planeAt(medium.predicted, plane);
+    area = addBuoyancy(parts.closed, medium.predicted, lowered, medium.force);
+    own = steadyForces(body, medium.force, plane, tick);
+    // drag works against both masses, too
+    medium.drag.terms *= own;
+  }
   if (parts.closed.empty() && body.settings.flow.displacedVolume > 0.0)
     area += addDisplacement(body, medium, plane);
   body.state.acceleration += medium.force.cwiseProduct(body.state.inverseMass);
   body.surface.sweptBounds.tick = 0.0;
-  return plane.weight * std::max(area, 0.0) * tick * tick / body.settings.totalMass;
+  return own * plane.weight * std::max(area, 0.0) * tick * tick / body.settings.totalMass;
 }
 
 /// Slows a body that bobs too fast for a constant force over a tick down, so that it creeps to its draught.
@@ -140,6 +221,15 @@ void dampByWaves(const SoftBodyData& body, BodyMedium& medium, const WaterPlane&
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     if (plane.depthOf(body.state.position.col(i)) > 0.0)
       addDrag(medium.drag, i, 0.0, plane.up, kWaveDrag * massOf(body.state.inverseMass, i), flow);
+}
+
+/// Returns the mean of the velocities at the start of this tick and of the last one. Drag with the speed of
+/// this tick alone would be too strong and too weak by turns where it is strong enough to act fully within a
+/// tick.
+const Points& recentVelocity(const SoftBodyData& body, BodyMedium& medium) {
+  if (body.startVelocity.cols() != body.state.velocity.cols()) return body.state.velocity;
+  medium.velocity = 0.5 * (body.state.velocity + body.startVelocity);
+  return medium.velocity;
 }
 
 }  // namespace
@@ -186,7 +276,8 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
   // a body that goes in and out of the water keeps its memory
   clearDrag(medium.drag, inAir || body.surroundings->water ? body.state.position.cols() : 0);
   if (inAir || water.acts())
-    addDragOfParts(body.model->parts, 2.0 * radiusOf(body), body.state, air, water, plane, medium.drag);
+    addDragOfParts(body.model->parts, 2.0 * radiusOf(body),
+                   {body.state.position, recentVelocity(body, medium)}, air, water, plane, medium.drag);
   if (plane.isThere()) dampByWaves(body, medium, plane, water.velocity);
   if (plane.isThere())
     if (const double phase = addWaterForces(body, medium, plane, tick); phase > 1.0)

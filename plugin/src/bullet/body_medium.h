@@ -45,6 +45,7 @@ struct BodyMedium {
   Points wind;                 ///< 3 x #points, m/s, scratch
   Points predicted;            ///< 3 x #points, m, scratch: positions in the middle of the tick
   Points force;                ///< 3 x #points, N, scratch
+  Points velocity;             ///< 3 x #points, m/s, scratch
   std::vector<double> masses;  ///< #points, kg, scratch of fields
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, at point 0 in the last tick awake
 };

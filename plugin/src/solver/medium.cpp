@@ -89,31 +89,31 @@ void addSegmentDrag(const std::array<std::uint32_t, 2>& ends, const Vector3d& t,
 }
 
 /// `sides`: share of the area that counts.
-void addTriangles(const std::vector<Triangle>& triangles, double sides, const PointState& state,
+void addTriangles(const std::vector<Triangle>& triangles, double sides, const MovingPoints& points,
                   const Flow& air, const Flow& water, const WaterPlane& plane, PointDrag& drag) {
   for (const Triangle& t : triangles) {
-    const Points& x = state.position;
+    const Points& x = points.position;
     const Vector3d doubled = Vector3d(x.col(t[1]) - x.col(t[0])).cross(Vector3d(x.col(t[2]) - x.col(t[0])));
     const double size = doubled.norm(), area = 0.5 * sides * size;
     if (!(size > 0.0)) continue;
-    const Vector3d n = doubled / size, v = meanOf(state.velocity, t);
+    const Vector3d n = doubled / size, v = meanOf(points.velocity, t);
     const double wet = wetShare(t, x, plane);
     if (wet < 1.0 && air.acts()) addTriangleDrag(t, n, (1.0 - wet) * area, air, v, drag);
     if (wet > 0.0 && water.acts()) addTriangleDrag(t, n, wet * area, water, v, drag);
   }
 }
 
-void addSegments(const WettedParts& parts, double diameter, const PointState& state, const Flow& air,
+void addSegments(const WettedParts& parts, double diameter, const MovingPoints& points, const Flow& air,
                  const Flow& water, const WaterPlane& plane, PointDrag& drag) {
   for (const auto& ends : parts.segments) {
-    const Vector3d along = state.position.col(ends[1]) - state.position.col(ends[0]);
+    const Vector3d along = points.position.col(ends[1]) - points.position.col(ends[0]);
     const double length = along.norm(), frontal = length * diameter;
     if (!(length > 0.0)) continue;
-    const Vector3d t = along / length, v = meanOf(state.velocity, ends);
+    const Vector3d t = along / length, v = meanOf(points.velocity, ends);
     double wet = 0.0;
     if (plane.isThere()) {
-      const double a = plane.depthOf(state.position.col(ends[0])),
-                   b = plane.depthOf(state.position.col(ends[1]));
+      const double a = plane.depthOf(points.position.col(ends[0])),
+                   b = plane.depthOf(points.position.col(ends[1]));
       wet = a > 0.0 && b > 0.0 ? 1.0 : std::max({a, b, 0.0}) / std::max(std::abs(a - b), 1e-300);
       wet = std::min(wet, 1.0);
     }
@@ -150,11 +150,11 @@ DepthIntegral integrate(const std::array<double, 3>& depth) {
 
 }  // namespace
 
-void addDragOfParts(const WettedParts& parts, double diameter, const PointState& state, const Flow& air,
+void addDragOfParts(const WettedParts& parts, double diameter, const MovingPoints& points, const Flow& air,
                     const Flow& water, const WaterPlane& plane, PointDrag& drag) {
-  addTriangles(parts.closed, 0.5, state, air, water, plane, drag);
-  addTriangles(parts.sheets, 1.0, state, air, water, plane, drag);
-  addSegments(parts, diameter, state, air, water, plane, drag);
+  addTriangles(parts.closed, 0.5, points, air, water, plane, drag);
+  addTriangles(parts.sheets, 1.0, points, air, water, plane, drag);
+  addSegments(parts, diameter, points, air, water, plane, drag);
 }
 
 double addBuoyancy(const std::vector<Triangle>& closed, const Points& position, const WaterPlane& plane,

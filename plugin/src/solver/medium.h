@@ -43,9 +43,15 @@ struct WaterPlane {
   double depthOf(const Eigen::Vector3d& x) const { return level - up.dot(x); }
 };
 
+/// The points of a body in a flow.
+struct MovingPoints {
+  const Points& position;  ///< 3 x #points, m
+  const Points& velocity;  ///< 3 x #points, m/s, for the speed of the flow past each part
+};
+
 /// Adds the drag in air, and in water below the plane, of all parts to the points' drag. `diameter` (m) is
 /// that of the segments.
-void addDragOfParts(const WettedParts& parts, double diameter, const PointState& state, const Flow& air,
+void addDragOfParts(const WettedParts& parts, double diameter, const MovingPoints& points, const Flow& air,
                     const Flow& water, const WaterPlane& plane, PointDrag& drag);
 
 /// Adds the integral of the water's pressure over closed triangles below the plane to `force` (3 x #points,

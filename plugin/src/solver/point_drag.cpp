@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace limber {
 namespace {
@@ -18,24 +19,28 @@ double kineticEnergyOf(const PointView& points, Eigen::Index count) {
   return sum;
 }
 
-void applyRate(double rate, const PointView& points, Eigen::Index count, double dt) {
-  const double keep = std::exp(-rate * dt);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    auto v = points.velocityOf(i);
-    const Eigen::Vector3d w = points.inverseMassOf(i);
-    for (int c = 0; c < 3; ++c) v[c] *= w[c] > 0.0 ? keep : 1.0;
-  }
+void applyRate(double keep, const PointView& points, Eigen::Index count) {
+  double* v = points.velocity;
+  const double* w = points.inverseMass;
+  for (Eigen::Index i = 0; i < count; ++i, v += points.pointStride, w += points.pointStride)
+    for (int c = 0, at = 0; c < 3; ++c, at += points.axisStride) v[at] *= w[at] > 0.0 ? keep : 1.0;
 }
 
-void applyTerms(const PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
+/// Applies the decay, too. `axis`: the axis stride, a constant for bodies in arrays of their own.
+template <class Axis>
+void applyTerms(const PointDrag& drag, double keep, const PointView& points, Eigen::Index count, double dt,
+                Axis axis) {
   const double* t = drag.terms.data();
-  for (std::uint32_t i = 0; i < count; ++i, t += PointDrag::kTerms) {
-    auto v = points.velocityOf(i);
-    const auto w = points.inverseMassOf(i);
-    const double s = std::min(dt, t[9]), x = v[0], y = v[1], z = v[2];
-    v[0] = x + s * w[0] * (t[6] - (t[0] * x + t[3] * y + t[5] * z));
-    v[1] = y + s * w[1] * (t[7] - (t[3] * x + t[1] * y + t[4] * z));
-    v[2] = z + s * w[2] * (t[8] - (t[5] * x + t[4] * y + t[2] * z));
+  double* v = points.velocity;
+  const double* w = points.inverseMass;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double s = std::min(dt, t[9]), wx = w[0], wy = w[axis], wz = w[2 * axis];
+    const double x = v[0] * (wx > 0.0 ? keep : 1.0), y = v[axis] * (wy > 0.0 ? keep : 1.0),
+                 z = v[2 * axis] * (wz > 0.0 ? keep : 1.0);
+    v[0] = x + s * wx * (t[6] - (t[0] * x + t[3] * y + t[5] * z));
+    v[axis] = y + s * wy * (t[7] - (t[3] * x + t[1] * y + t[4] * z));
+    v[2 * axis] = z + s * wz * (t[8] - (t[5] * x + t[4] * y + t[2] * z));
+    t += PointDrag::kTerms, v += points.pointStride, w += points.pointStride;
   }
 }
 
@@ -69,8 +74,13 @@ void limitDrag(PointDrag& drag, const Points& inverseMass) {
 
 void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
   if (drag.measured) drag.work -= kineticEnergyOf(points, count);
-  if (drag.rate > 0.0) applyRate(drag.rate, points, count, dt);
-  if (drag.terms.cols() > 0) applyTerms(drag, points, count, dt);
+  const double keep = drag.rate > 0.0 ? std::exp(-drag.rate * dt) : 1.0;
+  if (drag.terms.cols() == 0)
+    applyRate(keep, points, count);
+  else if (points.axisStride == 1)
+    applyTerms(drag, keep, points, count, dt, std::integral_constant<int, 1>());
+  else
+    applyTerms(drag, keep, points, count, dt, points.axisStride);
   if (drag.measured) drag.work += kineticEnergyOf(points, count);
 }
 
