@@ -27,7 +27,6 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using test::BulletWorld;
-using test::kTick;
 using test::eigen;
 using test::kTick;
 using test::momentumOf;

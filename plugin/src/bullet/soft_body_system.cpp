@@ -184,9 +184,7 @@ void SoftBodySystem::Impl::destroyPending() {
 void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
   if (!owns(body)) return;
   endPairsOf(body);
-  auto& fields = surroundings.fields;
-  const auto actsOnIt = [&](const ActingField& field) { return field.body == body->data_.get(); };
-  fields.erase(std::remove_if(fields.begin(), fields.end(), actsOnIt), fields.end());
+  dropFields(*body->data_);
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
   step->forgetGroups();

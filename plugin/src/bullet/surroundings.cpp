@@ -16,6 +16,12 @@ void SoftBodySystem::Impl::wakeAll() {
   for (auto& body : bodies) body->wake();
 }
 
+void SoftBodySystem::Impl::dropFields(const SoftBodyData& body) {
+  auto& fields = surroundings.fields;
+  const auto actsOnIt = [&](const ActingField& field) { return field.body == &body; };
+  fields.erase(std::remove_if(fields.begin(), fields.end(), actsOnIt), fields.end());
+}
+
 Result<void> SoftBodySystem::setAir(const Air& air) {
   if (Result<void> valid = validate(air); !valid) return Error{"air: " + valid.error()};
   Air& present = impl_->surroundings.air;

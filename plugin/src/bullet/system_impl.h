@@ -55,6 +55,7 @@ struct SoftBodySystem::Impl final : TickListener {
   void destroyNow(SoftBody* body);
   bool owns(const SoftBody* body) const;
   void wakeAll();
+  void dropFields(const SoftBodyData& body);
   void destroyPending();
   void endPairsOf(SoftBody* body);
 
