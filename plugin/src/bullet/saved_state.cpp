@@ -148,6 +148,7 @@ struct BodyState {
   std::uint64_t network = 0;  ///< hash
   SoftBodySettings settings;
   std::vector<double> position, velocity, startPosition;  ///< 3 x #points
+  std::vector<double> startVelocity;                      ///< 3 x #points, or empty
   std::vector<double> mass;                               ///< #points, kg; of pinned points, that before
   std::vector<std::uint8_t> pinned;                       ///< #points
   std::vector<double> pinTarget;                          ///< 3 x #points, m; 0 where not pinned
@@ -182,6 +183,7 @@ void transferState(Stream& stream, State& s) {
   stream.array("positions", s.position);
   stream.array("velocities", s.velocity);
   stream.array("earlier positions", s.startPosition);
+  stream.array("earlier velocities", s.startVelocity);
   stream.array("masses", s.mass);
   stream.array("pins", s.pinned);
   stream.array("targets of pins", s.pinTarget);
@@ -250,6 +252,7 @@ void savePoints(const SoftBodyData& body, BodyState& s) {
   s.position = numbersOf(body.state.position);
   s.velocity = numbersOf(body.state.velocity);
   s.startPosition = numbersOf(body.masses.startPosition);
+  s.startVelocity = numbersOf(body.startVelocity);
   s.mass = body.model->masses;
   s.pinned.assign(pointCount(body), 0);
   s.pinTarget.assign(std::size_t{3} * pointCount(body), 0.0);
@@ -321,11 +324,12 @@ std::string checkState(const SoftBodyData& body, const BodyState& s) {
     if (array->size() != 3 * n) return "the saved state has arrays of different sizes";
   if (s.mass.size() != n || s.pinned.size() != n || s.yieldedLength.size() != s.broken.size() ||
       (!s.broken.empty() && s.broken.size() != springs) ||
-      (!s.softenedMass.empty() && s.softenedMass.size() != 3 * n) || s.touched.size() != s.key.size() ||
+      (!s.softenedMass.empty() && s.softenedMass.size() != 3 * n) ||
+      (!s.startVelocity.empty() && s.startVelocity.size() != 3 * n) || s.touched.size() != s.key.size() ||
       4 * s.touched.size() != s.impulse.size())
     return "the saved state has arrays of different sizes";
   for (const auto* array : {&s.position, &s.velocity, &s.startPosition, &s.pinTarget, &s.mass,
-                            &s.yieldedLength, &s.softenedMass, &s.impulse})
+                            &s.yieldedLength, &s.softenedMass, &s.impulse, &s.startVelocity})
     for (const double number : *array)
       if (!(std::abs(number) <= kMaxSound)) return "the saved state has a number that is not finite";
   if (!(std::abs(s.frame.norm() - 1.0) < 1e-6)) return "the saved state has a frame that is no rotation";
@@ -390,6 +394,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.state.position = pointsOf(s.position);
   body.state.velocity = pointsOf(s.velocity);
   body.masses.startPosition = pointsOf(s.startPosition);
+  body.startVelocity = pointsOf(s.startVelocity);
   restoreSprings(body, s);
   restoreImpulses(body, s);
   body.surface.frame = s.frame;
