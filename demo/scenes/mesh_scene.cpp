@@ -18,6 +18,9 @@ namespace {
 
 /// Points in all copies, beyond which fewer than nine are dropped.
 constexpr std::size_t kMaxScenePoints = 6000;
+
+/// The same for drawn vertices: without a GPU a frame of nine copies of 50 000 takes half a second.
+constexpr std::size_t kMaxSceneVertices = 150000;
 constexpr std::uint32_t kUsualCount = 9;
 
 /// Largest RMS error of shape, relative to the size: hard materials sag by a hundredth, soft ones by a tenth.
@@ -60,12 +63,15 @@ DroppedMesh measure(CookedMesh cooked, const std::optional<double>& scale) {
 
 /// Returns as many copies as a scene can show soon: nine of usual bodies.
 std::uint32_t usualCount(const CookedMesh& cooked) {
-  std::size_t points = 0;
-  for (const CookedBody& body : cooked.bodies) points += body.network->restPoints.size();
-  const std::size_t byPoints = kMaxScenePoints / std::max<std::size_t>(1, points);
+  std::size_t points = 1, vertices = 1;
+  for (const CookedBody& body : cooked.bodies) {
+    points += body.network->restPoints.size();
+    vertices += body.network->render.skin.size();
+  }
+  const std::size_t fitting = std::min(kMaxScenePoints / points, kMaxSceneVertices / vertices);
   const std::size_t byBodies = 2 * kUsualCount / cooked.bodies.size();
   return static_cast<std::uint32_t>(
-      std::clamp<std::size_t>(std::min(byPoints, byBodies), 1, std::size_t{kUsualCount}));
+      std::clamp<std::size_t>(std::min(fitting, byBodies), 1, std::size_t{kUsualCount}));
 }
 
 Result<std::vector<SoftBodySettings>> settingsOf(const DroppedMesh& mesh, const SceneOptions& options) {
