@@ -23,7 +23,7 @@ constexpr std::size_t kMaxBodies = 32;
 constexpr double kMinPartSize = 0.005;
 
 /// The finest cells, as a share of the thickness that all parts of a wrap get: finer ones show nothing more.
-constexpr double kCellsPerThickness = 8.0;
+constexpr double kCellsPerThickness = 14.0;
 
 /// Returns the part of the mesh with the marked triangles, and the vertices that these use.
 TriangleMesh partOf(const TriangleMesh& mesh, const std::vector<char>& marked) {
