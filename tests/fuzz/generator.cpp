@@ -43,6 +43,7 @@ class Writer {
   void joint(int at = -1);
   void user(int frames);
   void surroundings(int frames);
+  void changes(int frames);
   void userStep(int at);
   bool mayBePulled(int soft) const;
   void userOnPoints(Step& step);
@@ -444,6 +445,7 @@ void Writer::user(int frames) {
   std::sort(when.begin(), when.end());
   for (const int at : when) userStep(at);
   surroundings(frames);
+  changes(frames);
 }
 
 /// Has dice of its own, so that the rest of a story does not depend on it.
@@ -455,6 +457,24 @@ void Writer::surroundings(int frames) {
     s.set("system", systems_ == 2 ? dice.below(2) : 0)
         .set("of", dice.chance(0.5) ? softs_[static_cast<std::size_t>(dice.below(int(softs_.size())))] : 0);
     s.set("flow", dice.ball(dice.of({1.0, 10.0, 60.0}))).set("level", dice.number(-1.0, 3.0));
+    story_.steps.push_back(s);
+  }
+}
+
+/// Has dice of its own, too.
+void Writer::changes(int frames) {
+  Dice dice(story_.seed + 0xc4a6);
+  for (int i = dice.of({0, 0, 2, 4, 8}); i > 0; --i) {
+    Step s(Kind::Change, dice.chance(0.2) ? 0 : dice.below(frames));
+    s.choose("what", dice.of({"settings", "settings", "settings", "place", "motion", "reset", "push", "push",
+                              "pin", "save", "restore", "clone"}));
+    s.set("of", softs_[static_cast<std::size_t>(dice.below(int(softs_.size())))])
+        .set("variant", dice.below(500))
+        .set("factor", dice.decades(0.1, 10));
+    s.set("by", dice.ball(dice.of({0.1, 1.0, 4.0})))
+        .set("spin", dice.ball(5.0))
+        .set("rotation", dice.ball(3.0));
+    if (dice.chance(0.2)) s.phase = dice.chance(0.5) ? Phase::Action : Phase::PreTick;
     story_.steps.push_back(s);
   }
 }

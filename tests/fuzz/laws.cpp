@@ -27,7 +27,7 @@ bool actsFromAfar(const Story& story) {
   for (const Step& s : story.steps)
     if (s.kind == Kind::Spring || s.kind == Kind::Attach || s.kind == Kind::Vehicle ||
         s.kind == Kind::Character || s.kind == Kind::OverlapFilter || s.kind == Kind::Surround ||
-        s.phase == Phase::Listener)
+        s.kind == Kind::Change || s.phase == Phase::Listener)
       return true;
   return false;
 }

@@ -172,7 +172,11 @@ std::vector<KindInfo> userKinds() {
       {"system", {choice("what", "remove-all destroy add"), number("system")}},
       {"surround",
        {choice("what", "air gusts vacuum water dry field no-field"), number("system"), vector("flow", kSpeed),
-        number("level", 0, kLength), reference("of")}}};
+        number("level", 0, kLength), reference("of")}},
+      {"change",
+       {reference("of"), choice("what", "settings place motion reset push pin save restore clone"),
+        number("variant"), number("factor", 1), vector("by", kLength), axial("spin", kSpin),
+        rotation("rotation")}}};
 }
 
 const std::vector<KindInfo>& kinds() {

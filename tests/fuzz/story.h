@@ -54,9 +54,10 @@ enum class Kind : std::uint8_t {
   Hook,
   Clock,
   System,
-  Surround
+  Surround,
+  Change
 };
-inline constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::Surround) + 1;
+inline constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::Change) + 1;
 
 /// Time of a user's step: between two calls of stepSimulation(), or in a callback of Bullet or Limber.
 enum class Phase : std::uint8_t { Between, PreTick, Tick, Listener, Action };

@@ -124,6 +124,8 @@ void WorldPlayer::act(const Step& s) {
       return;
     case Kind::Surround:
       return surround(s);
+    case Kind::Change:
+      return changeSoft(s);
     default:
       return changeSystem(s);
   }

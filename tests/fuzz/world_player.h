@@ -111,6 +111,8 @@ class WorldPlayer {
   void synchronize(const Step& step);
   void changeSystem(const Step& step);
   void surround(const Step& step);
+  void changeSoft(const Step& step);
+  void pushSoft(SoftBody& body, const Step& step, std::uint32_t point);
   void destroy(const Step& step);
   void destroySoft(int id, const std::string& how, std::uint32_t point);
   void destroyRigid(int id);
@@ -174,7 +176,8 @@ class WorldPlayer {
   std::map<int, SpringObject> springs_;
   std::map<int, SoftObject> softs_;
   std::vector<std::unique_ptr<SoftBodySystem>> systems_;
-  std::vector<std::uint64_t> fields_;  ///< numbers of fields that were added
+  std::vector<std::uint64_t> fields_;               ///< numbers of fields that were added
+  std::map<int, std::vector<std::uint8_t>> saved_;  ///< states of soft bodies, by their ids
 };
 
 }  // namespace limber::fuzz

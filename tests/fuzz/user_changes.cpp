@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Zlib
+// The user changes soft bodies as a whole: settings, place, motion, saved states.
+#include "fuzz/world_player.h"
+
+#include <limber/contacts.h>
+
+namespace limber::fuzz {
+namespace {
+
+/// Changes one of the settings, which `variant` selects, by `factor`.
+SoftBodySettings changedSettings(SoftBodySettings s, int variant, double factor, const Eigen::Vector3d& by) {
+  switch (variant % 12) {
+    case 0:
+      s.extensionStiffness *= factor;
+      break;
+    case 1:
+      s.compressionStiffness *= factor;
+      break;
+    case 2:
+      s.damping = factor;
+      break;
+    case 3:
+      s.totalMass *= factor;
+      break;
+    case 4:
+      s.scale *= std::min(factor, 1.5);
+      break;
+    case 5:
+      s.scale = s.scale.cwiseProduct(Eigen::Vector3d(Eigen::Vector3d::Constant(1.2) + 0.1 * by));
+      break;
+    case 6:
+      s.friction = factor;
+      break;
+    case 7:
+      s.collisionMask = s.collisionMask == 0 ? -1 : 0;
+      break;
+    case 8:
+      s.gravityFactor = 1.0 - factor;
+      break;
+    case 9:
+      s.stepping.maxSubsteps = s.stepping.maxSubsteps > 0 ? 0 : 7;
+      break;
+    case 10:
+      s.volumeModulus = s.volumeModulus.value_or(0.0) > 0.0 ? 0.0 : 500.0 * factor;
+      break;
+    default:
+      s.pointRadius = 0.01 * factor;
+      s.elasticLimit.yieldStrain = 0.05;
+  }
+  return s;
+}
+
+}  // namespace
+
+void WorldPlayer::changeSoft(const Step& s) {
+  SoftBody* body = livingSoft(s.whole("of"));
+  if (!body) return;
+  const std::string& what = s.choice("what");
+  const btVector3 by = toBt(s.vec("by")), spin = toBt(s.vec("spin"));
+  const auto point = static_cast<std::uint32_t>(s.whole("variant")) % body->pointCount();
+  btTransform to(rotationOf(s.vec("rotation")), by);
+  to = btTransform(to.getRotation() * body->transform().getRotation(), body->transform().getOrigin() + by);
+  if (what == "settings")
+    static_cast<void>(
+        body->change(changedSettings(body->settings(), s.whole("variant"), s["factor"], s.vec("by"))));
+  else if (what == "place")
+    static_cast<void>(body->setTransform(to));
+  else if (what == "motion")
+    static_cast<void>(body->setVelocity(by, spin));
+  else if (what == "reset")
+    static_cast<void>(s.whole("variant") % 2 ? body->reset() : body->reset(to));
+  else if (what == "push")
+    pushSoft(*body, s, point);
+  else if (what == "pin" && body->pinned(point))
+    static_cast<void>(body->teleportPin(point, toBt(body->position(point) + s.vec("by"))));
+  else if (what == "pin")
+    static_cast<void>(body->pin(point));
+  else if (what == "save")
+    saved_[s.whole("of")] = body->saveState();
+  else if (what == "restore" && saved_.count(s.whole("of")))
+    static_cast<void>(body->restoreState(saved_[s.whole("of")]));
+  else if (what == "clone" && phase_ == Phase::Between)
+    static_cast<void>(systemOf(soft(s.whole("of"))->system)->clone(body, to));
+}
+
+void WorldPlayer::pushSoft(SoftBody& body, const Step& s, std::uint32_t point) {
+  const btVector3 by = toBt(s.vec("by"));
+  switch (s.whole("variant") % 7) {
+    case 0:
+      return static_cast<void>(body.applyForce(by));
+    case 1:
+      return static_cast<void>(body.applyForce(by, point));
+    case 2:
+      return static_cast<void>(body.applyTorque(by));
+    case 3:
+      return static_cast<void>(body.applyImpulse(by));
+    case 4:
+      return static_cast<void>(body.applyImpulse(by, point));
+    case 5:
+      return static_cast<void>(body.applyTorqueImpulse(by));
+    default:
+      return static_cast<void>(body.applyBlast(toBt(body.centerOfMass() + s.vec("by")), 2, 3));
+  }
+}
+
+}  // namespace limber::fuzz
