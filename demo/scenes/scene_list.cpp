@@ -21,6 +21,8 @@ const std::vector<SceneEntry>& sceneList() {
       {"flag", "flags fly in gusts of wind, which then drops", 16.0, false, &createFlag},
       {"pool", "soft boxes of four densities fall into water; three float at their draughts", 12.0, false,
        &createPool},
+      {"dent", "balls press an elastic block and two that yield, which keep their dents", 5.0, false,
+       &createDent},
   };
   return kScenes;
 }

@@ -32,5 +32,6 @@ SceneResult createTower(const SceneOptions& options);
 SceneResult createCurtain(const SceneOptions& options);
 SceneResult createFlag(const SceneOptions& options);
 SceneResult createPool(const SceneOptions& options);
+SceneResult createDent(const SceneOptions& options);
 
 }  // namespace limber::scenes

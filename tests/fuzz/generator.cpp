@@ -474,6 +474,8 @@ void Writer::changes(int frames) {
     s.set("by", dice.ball(dice.of({0.1, 1.0, 4.0})))
         .set("spin", dice.ball(5.0))
         .set("rotation", dice.ball(3.0));
+    // a copy within its original has thousands of contacts
+    if (s.choice("what") == "clone") s.set("by", Vector3d(0, 4, 0) + dice.ball(1.0));
     if (dice.chance(0.2)) s.phase = dice.chance(0.5) ? Phase::Action : Phase::PreTick;
     story_.steps.push_back(s);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file saves the state of bodies and systems as bytes, and restores it. A state is one list of numbers,
-// which transferState() declares for the writer and the reader.
+// This file saves the state of a body as bytes, and restores it. A state is one list of numbers, which
+// transferState() declares for the writer and the reader.
 
 #include "bullet/saved_state.h"
 
@@ -11,17 +11,13 @@
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
-#include "bullet/system_impl.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/bytes.h"
 
 #include <limber/soft_body.h>
-#include <limber/soft_body_system.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -32,7 +28,6 @@ namespace limber {
 // what ByteReader needs to know of the settings' types
 static constexpr Stepper lastOf(Stepper) { return Stepper::BandedNewton; }
 static constexpr Collision lastOf(Collision) { return Collision::Surface; }
-static constexpr SpringAction lastOf(SpringAction) { return SpringAction::CompressionOnly; }
 
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -41,10 +36,6 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
     {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 1};
-constexpr SealedFormat kSystemFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'Y', '\r', '\n'}, "a saved state of a system", "the saved state", 1};
-constexpr SealedFormat kBodiesFormat = {
-    {0x89, 'L', 'I', 'M', 'B', 'D', '\r', '\n'}, "a file of soft bodies", "the file", 1};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -415,26 +406,6 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   if (s.asleep) putToSleep(body);
 }
 
-template <class State>
-Bytes sealedBytes(const SealedFormat& format, const State& write) {
-  Bytes bytes;
-  bytes.resize(kHeaderBytes);
-  ByteWriter writer(bytes);
-  write(writer);
-  seal(format, format.version, bytes);
-  return bytes;
-}
-
-/// Reads what transfer(reader, state) declares from sealed bytes. Returns why it cannot, or an empty string.
-template <class State, class Transfer>
-std::string readSealed(const SealedFormat& format, const Bytes& bytes, State& state, Transfer transfer) {
-  if (std::string reason = checkSealed(format, bytes.data(), bytes.size()); !reason.empty()) return reason;
-  ByteReader reader(bytes.data() + kHeaderBytes, bytes.size() - kHeaderBytes);
-  transfer(reader, state);
-  if (!reader.problem().empty()) return reader.problem();
-  return reader.bytesLeft() > 0 ? "bytes follow the end of its contents" : std::string();
-}
-
 Result<BodyState> readState(const Bytes& bytes) {
   BodyState s;
   const auto transfer = [](ByteReader& reader, BodyState& state) { transferState(reader, state); };
@@ -452,6 +423,8 @@ Result<BodyState> readState(const SoftBodyData& body, const Bytes& bytes) {
   return state;
 }
 
+}  // namespace
+
 Bytes saveStateOf(SoftBodyData& body) {
   Bytes bytes = sealedBytes(kStateFormat, [&](ByteWriter& writer) {
     const BodyState state = stateOf(body);
@@ -459,6 +432,17 @@ Bytes saveStateOf(SoftBodyData& body) {
   });
   forgetCaches(body);
   return bytes;
+}
+
+Result<SoftBodySettings> settingsIn(const Bytes& bytes) {
+  Result<BodyState> state = readState(bytes);
+  if (!state) return Error{state.error()};
+  return state->settings;
+}
+
+Result<void> checkStateFor(const SoftBodyData& body, const Bytes& bytes) {
+  const Result<BodyState> state = readState(body, bytes);
+  return state ? Result<void>() : Error{state.error()};
 }
 
 Result<void> restoreStateOf(SoftBodyData& body, const Bytes& bytes) {
@@ -472,224 +456,11 @@ Result<void> restoreStateOf(SoftBodyData& body, const Bytes& bytes) {
   return {};
 }
 
-}  // namespace
-
 // --- the user's functions ----------------------------------------------------------------------------------
 
 Bytes SoftBody::saveState() { return saveStateOf(*data_); }
 
 Result<void> SoftBody::restoreState(const Bytes& bytes) { return restoreStateOf(*data_, bytes); }
-
-namespace {
-
-template <class Stream, class Settings>
-void transferSpring(Stream& stream, Settings& s) {
-  transferOptional(stream, "restLength", s.restLength);
-  stream.value("stiffness", s.stiffness);
-  stream.value("damping", s.damping);
-  stream.value("action", s.action);
-}
-
-/// The state of a system: of its bodies and single springs, in order of creation.
-struct SystemState {
-  double time = 0.0;  ///< s, of wind and fields
-  std::vector<Bytes> bodies;
-  std::vector<SpringSettings> springs;
-};
-
-template <class Stream, class State>
-void transferSystem(Stream& stream, State& state) {
-  stream.value("time", state.time);
-  stream.resize("bodies", state.bodies, sizeof(std::uint64_t));
-  for (auto& body : state.bodies) stream.array("bytes of a body", body);
-  stream.resize("springs", state.springs, sizeof(std::uint64_t));
-  for (auto& spring : state.springs) transferSpring(stream, spring);
-}
-
-/// Returns why a state does not suit a system, or an empty string.
-std::string checkCount(const char* what, std::size_t saved, std::size_t present) {
-  if (saved == present) return {};
-  return "the saved state has " + std::to_string(saved) + " " + what + ", the system " +
-         std::to_string(present);
-}
-
-}  // namespace
-
-Bytes SoftBodySystem::saveState() {
-  SystemState state;
-  state.time = impl_->surroundings.time;
-  for (const auto& body : impl_->bodies) state.bodies.push_back(saveStateOf(*body->data_));
-  for (const auto& spring : impl_->springs) state.springs.push_back(spring->settings());
-  return sealedBytes(kSystemFormat,
-                     [&](ByteWriter& writer) { transferSystem(writer, std::as_const(state)); });
-}
-
-Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
-  SystemState state;
-  const auto transfer = [](ByteReader& reader, SystemState& s) { transferSystem(reader, s); };
-  if (std::string reason = readSealed(kSystemFormat, bytes, state, transfer); !reason.empty())
-    return Error{std::move(reason)};
-  std::string reason = checkCount("bodies", state.bodies.size(), impl_->bodies.size());
-  if (reason.empty()) reason = checkCount("springs", state.springs.size(), impl_->springs.size());
-  for (std::size_t i = 0; i < state.springs.size() && reason.empty(); ++i)
-    if (Result<void> valid = validate(state.springs[i]); !valid)
-      reason = "spring " + std::to_string(i) + ": " + valid.error();
-  for (std::size_t i = 0; i < state.bodies.size() && reason.empty(); ++i)
-    if (const auto read = readState(*impl_->bodies[i]->data_, state.bodies[i]); !read)
-      reason = "body " + std::to_string(i) + ": " + read.error();
-  if (reason.empty() && !(std::abs(state.time) <= kMaxSound)) reason = "its time is not finite";
-  if (!reason.empty()) return Error{std::move(reason)};
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    const Result<void> restored = impl_->bodies[i]->restoreState(state.bodies[i]);
-    if (!restored) return Error{"body " + std::to_string(i) + ": " + restored.error()};
-  }
-  impl_->surroundings.time = state.time;
-  for (std::size_t i = 0; i < state.springs.size(); ++i) impl_->springs[i]->settings_ = state.springs[i];
-  impl_->step->groupsStale = true;
-  return {};
-}
-
-Result<SoftBody*> SoftBodySystem::clone(SoftBody* body, const btTransform& transform) {
-  if (!impl_->step->owns(body)) return Error{"the soft body is not, or no longer, in this world"};
-  const Bytes state = body->saveState();
-  Result<SoftBody*> copy = createBody(body->sharedNetwork(), body->settings());
-  if (!copy) return copy;
-  Result<void> done = (*copy)->restoreState(state);
-  if (done) done = (*copy)->setTransform(transform);
-  if (done) return copy;
-  destroyBody(*copy);
-  return Error{done.error()};
-}
-
-// --- bodies with their networks ----------------------------------------------------------------------------
-
-namespace {
-
-/// Everything of a body, to create it in another world.
-struct WholeBody {
-  Bytes network, state;
-  std::string name;
-};
-
-template <class Stream, class Bodies>
-void transferBodies(Stream& stream, Bodies& bodies) {
-  stream.resize("bodies", bodies, 3 * sizeof(std::uint64_t));
-  for (auto& body : bodies) {
-    stream.array("bytes of a network", body.network);
-    stream.array("bytes of a state", body.state);
-    stream.array("letters of a name", body.name);
-  }
-}
-
-Bytes bytesOf(const std::vector<WholeBody>& bodies) {
-  return sealedBytes(kBodiesFormat, [&](ByteWriter& writer) { transferBodies(writer, bodies); });
-}
-
-WholeBody wholeBodyOf(SoftBodyData& body) {
-  return {toBytes(*body.model->network), saveStateOf(body), body.name};
-}
-
-/// The code of chunks of soft bodies in Bullet's files, and the start of such a file: "BULLETf" or "BULLETd",
-/// '-' for 8-byte pointers, 'v' for little-endian numbers.
-constexpr char kChunkCode[] = {'L', 'I', 'M', 'B'}, kBulletFile[] = {'B', 'U', 'L', 'L', 'E', 'T'};
-constexpr std::size_t kBulletHeader = 12;
-
-/// Returns the contents of the chunks of soft bodies. A chunk has a header of its code, length, pointer, type
-/// and number.
-std::vector<Bytes> chunksOf(const Bytes& file) {
-  std::vector<Bytes> chunks;
-  const std::size_t pointer = file[7] == '-' ? 8 : 4, header = 16 + pointer;
-  for (std::size_t at = kBulletHeader; at + header <= file.size();) {
-    const std::size_t length = readLittleEndian<std::uint32_t>(&file[at + 4]);
-    if (length > file.size() - at - header) break;
-    const std::uint8_t* begin = file.data() + at + header;
-    if (std::equal(kChunkCode, kChunkCode + 4, &file[at]) && length >= kHeaderBytes)
-      // without the padding
-      chunks.emplace_back(begin, begin + std::min(length, sealedSize(begin)));
-    at += header + length;
-  }
-  return chunks;
-}
-
-bool isBulletFile(const Bytes& bytes) {
-  return bytes.size() >= kBulletHeader &&
-         std::equal(std::begin(kBulletFile), std::end(kBulletFile), bytes.begin());
-}
-
-/// Adds the bodies in the bytes to `bodies`. Returns why they cannot be read, or an empty string.
-std::string readBodies(const Bytes& bytes, std::vector<WholeBody>& bodies) {
-  if (isBulletFile(bytes)) {
-    if (bytes[8] != 'v') return "the .bullet file has big-endian numbers";
-    for (const Bytes& chunk : chunksOf(bytes))
-      if (std::string reason = readBodies(chunk, bodies); !reason.empty()) return reason;
-    return {};
-  }
-  std::vector<WholeBody> read;
-  const auto transfer = [](ByteReader& reader, std::vector<WholeBody>& all) { transferBodies(reader, all); };
-  std::string reason = readSealed(kBodiesFormat, bytes, read, transfer);
-  bodies.insert(bodies.end(), read.begin(), read.end());
-  return reason;
-}
-
-using Networks = std::map<Bytes, SharedNetwork>;
-
-/// Makes a body. Equal networks are read once.
-Result<SoftBody*> makeFrom(SoftBodySystem& system, const WholeBody& saved, Networks& networks) {
-  SharedNetwork& network = networks[saved.network];
-  if (!network) {
-    Result<SharedNetwork> read = fromBytes(saved.network.data(), saved.network.size());
-    if (!read) return Error{read.error()};
-    network = *read;
-  }
-  const Result<BodyState> state = readState(saved.state);
-  if (!state) return Error{state.error()};
-  Result<SoftBody*> body = system.createBody(network, state->settings);
-  if (!body) return body;
-  const Result<void> restored = (*body)->restoreState(saved.state);
-  if (restored) return body;
-  system.destroyBody(*body);
-  return Error{restored.error()};
-}
-
-}  // namespace
-
-void writeChunk(SoftBodyData& body, btSerializer& serializer) {
-  Bytes bytes = bytesOf({wholeBodyOf(body)});
-  // Bullet reads the chunks that follow as numbers of 8 bytes
-  bytes.resize((bytes.size() + 7) / 8 * 8);
-  btChunk* chunk = serializer.allocate(bytes.size(), 1);
-  std::memcpy(chunk->m_oldPtr, bytes.data(), bytes.size());
-  int code = 0;
-  std::memcpy(&code, kChunkCode, sizeof code);
-  serializer.finalizeChunk(chunk, "char", code, &body);
-}
-
-Bytes SoftBodySystem::saveBodies() {
-  std::vector<WholeBody> bodies;
-  for (const auto& body : impl_->bodies)
-    if (body->alive()) bodies.push_back(wholeBodyOf(*body->data_));
-  return bytesOf(bodies);
-}
-
-Result<std::vector<SoftBody*>> SoftBodySystem::loadBodies(const Bytes& bytes) {
-  std::vector<WholeBody> bodies;
-  if (std::string reason = readBodies(bytes, bodies); !reason.empty()) return Error{std::move(reason)};
-  Networks networks;
-  std::vector<SoftBody*> made;
-  std::string reason;
-  for (std::size_t i = 0; i < bodies.size() && reason.empty(); ++i) {
-    Result<SoftBody*> body = makeFrom(*this, bodies[i], networks);
-    if (body) {
-      (*body)->setName(bodies[i].name);
-      made.push_back(*body);
-    } else {
-      reason = "body " + std::to_string(i) + ": " + body.error();
-    }
-  }
-  if (reason.empty()) return made;
-  for (SoftBody* body : made) destroyBody(body);
-  return Error{std::move(reason)};
-}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -220,9 +220,32 @@ std::string checkHeader(const SealedFormat& format, const std::uint8_t* header, 
 /// Returns why the bytes are not valid, or an empty string. Also checks the hash.
 std::string checkSealed(const SealedFormat& format, const std::uint8_t* bytes, std::size_t size);
 
+/// Returns sealed bytes of the newest version. write(ByteWriter&) appends the contents.
+template <class Write>
+std::vector<std::uint8_t> sealedBytes(const SealedFormat& format, const Write& write) {
+  std::vector<std::uint8_t> bytes;
+  bytes.resize(kHeaderBytes);
+  ByteWriter writer(bytes);
+  write(writer);
+  seal(format, format.version, bytes);
+  return bytes;
+}
+
 /// Return the version, and the size of header and contents, that a header states.
 std::uint32_t versionOf(const std::uint8_t* header);
 std::size_t sealedSize(const std::uint8_t* header);
+
+/// Reads what transfer(ByteReader&, State&) declares from sealed bytes. Returns why it cannot, or an empty
+/// string.
+template <class State, class Transfer>
+std::string readSealed(const SealedFormat& format, const std::vector<std::uint8_t>& bytes, State& state,
+                       Transfer transfer) {
+  if (std::string reason = checkSealed(format, bytes.data(), bytes.size()); !reason.empty()) return reason;
+  ByteReader reader(bytes.data() + kHeaderBytes, bytes.size() - kHeaderBytes);
+  transfer(reader, state);
+  if (!reader.problem().empty()) return reader.problem();
+  return reader.bytesLeft() > 0 ? "bytes follow the end of its contents" : std::string();
+}
 
 // --- files -------------------------------------------------------------------------------------------------
 
