@@ -22,8 +22,8 @@ void printRow(const char* name, const Milliseconds& ms) {
 void printSoftRow(const RunFigures& f) {
   const double ticks = f.tick.count ? static_cast<double>(f.tick.count) : 1.0;
   std::printf("%-12s%9.3f ms   (gather %.3f, springs %.3f, hand over %.3f, take back %.3f)\n", "  Limber",
-              f.soft.totalMs() / ticks, f.soft.gatherMs / ticks, f.soft.stepMs / ticks,
-              f.soft.writeMs / ticks, f.soft.readMs / ticks);
+              f.soft.totalMs() / ticks, f.soft.beforeStepMs() / ticks, f.soft.stepMs / ticks,
+              f.soft.writeMs / ticks, f.soft.readBackMs / ticks);
 }
 
 void printShape(const ShapeFigures& shape) {
@@ -64,10 +64,10 @@ Json millisecondsJson(const Milliseconds& ms) {
 
 Json softJson(const RunFigures& f) {
   const double ticks = f.tick.count ? static_cast<double>(f.tick.count) : 1.0;
-  return {{"gather", f.soft.gatherMs / ticks},
+  return {{"gather", f.soft.beforeStepMs() / ticks},
           {"step", f.soft.stepMs / ticks},
           {"handOver", f.soft.writeMs / ticks},
-          {"takeBack", f.soft.readMs / ticks},
+          {"takeBack", f.soft.readBackMs / ticks},
           {"pointsStepped", static_cast<double>(f.soft.pointsStepped) / ticks},
           {"springSubsteps", static_cast<double>(f.soft.springSubsteps) / ticks}};
 }

@@ -69,7 +69,9 @@ Recording record(Subject& subject, double seconds, const RowLimits& limits, Show
 TickProfile meanOwn(const Recording& r) {
   const double count = static_cast<double>(r.ticks.size());
   TickProfile own = r.own;
-  for (double* ms : {&own.gatherMs, &own.stepMs, &own.writeMs, &own.readMs}) *ms /= count;
+  for (double* ms : {&own.readMs, &own.searchMs, &own.islandsMs, &own.chooseMs, &own.stepMs, &own.writeMs,
+                     &own.readBackMs})
+    *ms /= count;
   own.springSubsteps /= r.ticks.size();
   own.pointsStepped /= r.ticks.size();
   return own;

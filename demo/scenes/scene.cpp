@@ -109,10 +109,13 @@ Timeline timelineOf(double seconds, int framesPerSecond) {
 }
 
 void add(TickProfile& sum, const TickProfile& step) {
-  sum.gatherMs += step.gatherMs;
+  sum.readMs += step.readMs;
+  sum.searchMs += step.searchMs;
+  sum.islandsMs += step.islandsMs;
+  sum.chooseMs += step.chooseMs;
   sum.stepMs += step.stepMs;
   sum.writeMs += step.writeMs;
-  sum.readMs += step.readMs;
+  sum.readBackMs += step.readBackMs;
   sum.pointsStepped += step.pointsStepped;
   sum.springSubsteps += step.springSubsteps;
 }

@@ -40,14 +40,23 @@ enum class HookState : std::uint8_t {
 
 /// Time and work of the last tick, for display.
 struct TickProfile {
-  double gatherMs = 0.0;  ///< reading from Bullet's bodies
-  double stepMs = 0.0;    ///< stepping the springs
-  double writeMs = 0.0;   ///< writing velocities to Bullet
-  double readMs = 0.0;    ///< reading from Bullet after its contacts
+  // In order of the tick; Bullet's own part, between the last two, is not included.
+  double readMs = 0.0;      ///< finding the awake bodies, reading them from Bullet, forces of fields
+  double searchMs = 0.0;    ///< finding contacts, with the ContactFilter
+  double islandsMs = 0.0;   ///< collecting the rigid bodies and joints that take part, making islands
+  double chooseMs = 0.0;    ///< choosing integrators and substeps
+  double stepMs = 0.0;      ///< stepping, with the searches for contacts within the tick
+  double writeMs = 0.0;     ///< writing velocities to Bullet
+  double readBackMs = 0.0;  ///< reading from Bullet after its solver, reporting contacts
+  std::size_t awakeBodies = 0;
   std::size_t pointsStepped = 0;
+  std::size_t substeps = 0;        ///< sum over the awake bodies
   std::size_t springSubsteps = 0;  ///< sum over bodies of springs x substeps
+  std::size_t contacts = 0;        ///< that the solver had, also at a distance, and between rigid bodies
+  std::size_t islands = 0;         ///< sets of bodies that contacts or joints couple; other bodies are alone
   std::size_t rigidParts = 0;      ///< convex parts of rigid objects that were tested against surfaces
-  double totalMs() const { return gatherMs + stepMs + writeMs + readMs; }
+  double beforeStepMs() const { return readMs + searchMs + islandsMs + chooseMs; }
+  double totalMs() const { return beforeStepMs() + stepMs + writeMs + readBackMs; }
 };
 
 /// Adds soft bodies to an existing btDiscreteDynamicsWorld.

@@ -94,7 +94,10 @@ struct SoftBodySystem::Impl::WorldStep {
   void findAwake(btScalar tick);
   void read(btScalar tick);
   void collide(btScalar tick);
+  void keepBudgets(btScalar tick);
   void findIslands(btScalar tick);
+  void choose(btScalar tick);
+  void countWork();
   void step(btScalar tick);
   void write(btScalar tick);
   void updateLiving();

@@ -107,6 +107,7 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
 // The stages, in the order in which beforeTick() and afterTick() call them.
 
 void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
+  const StopWatch watch(profile.readMs);
   rebuildGroupsIfNeeded();
   for (Impl* system : systems) system->clearForcesOnNewStep();
   collectPartners(*world, this);
@@ -125,6 +126,7 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
+  const StopWatch watch(profile.readMs);
   readManifolds(*world->getDispatcher());
   parallel.forEach(awake.size(), [&](std::size_t g) { gatherBodies(*awake[g], tick); });
   for (SoftBodyData* body : moving) applyFields(*body);
@@ -132,6 +134,7 @@ void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
+  const StopWatch watch(profile.searchMs);
   pairs.clear(double(tick));
   rigidSurfaces.clear();
   // links of multibodies are numbered in the order in which they are found
@@ -150,11 +153,22 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {
+  const StopWatch watch(profile.islandsMs);
   warmStart(pairs);
   addLinkedRigids(awake, pairs);
   links.addJoints(pairs);
   gatherRigidContacts(*world, tick, manifolds, pairs);
   makeIslands(awake, pairs, tick, islands);
+}
+
+void SoftBodySystem::Impl::WorldStep::keepBudgets(btScalar tick) {
+  const StopWatch watch(profile.chooseMs);
+  parallel.forEach(awake.size(), [&](std::size_t g) { keepBudget(*awake[g], double(tick)); });
+}
+
+void SoftBodySystem::Impl::WorldStep::choose(btScalar tick) {
+  const StopWatch watch(profile.chooseMs);
+  parallel.forEach(awake.size(), [&](std::size_t g) { chooseStepping(*awake[g], double(tick)); });
 }
 
 void SoftBodySystem::Impl::WorldStep::step(btScalar tick) {
@@ -180,12 +194,22 @@ void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
     for (SoftBodyData* body : group.bodies) restoreIfUnsound(*body);
     writeGroupToBullet(group, tick);
   });
-  for (const SoftBodyData* body : moving) {
-    profile.pointsStepped += body->model->network->restPoints.size();
-    profile.springSubsteps += body->springs.size() * static_cast<std::size_t>(body->substeps);
-  }
+  countWork();
   disableDrives(pairs, disabledDrives);
   for (Impl* system : systems) system->surroundings.time += double(tick);
+}
+
+void SoftBodySystem::Impl::WorldStep::countWork() {
+  profile.awakeBodies = moving.size();
+  profile.islands = islands.count;
+  profile.contacts = pairs.contacts.size();
+  for (const SoftBodyData* body : moving) {
+    const auto substeps = static_cast<std::size_t>(body->substeps);
+    profile.pointsStepped += body->model->network->restPoints.size();
+    profile.substeps += substeps;
+    profile.springSubsteps += body->springs.size() * substeps;
+    profile.contacts += body->contacts.size();
+  }
 }
 
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
@@ -197,13 +221,12 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   if (!(tick > btScalar(0))) return;
   findAwake(tick);
   {
-    const StopWatch watch(profile.gatherMs);
     const KinematicMotions::Rewound rewound(kinematic);
     read(tick);
     collide(tick);
-    parallel.forEach(awake.size(), [&](std::size_t g) { keepBudget(*awake[g], double(tick)); });
+    keepBudgets(tick);
     findIslands(tick);
-    parallel.forEach(awake.size(), [&](std::size_t g) { chooseStepping(*awake[g], double(tick)); });
+    choose(tick);
   }
   disableBulletResponse(*world->getDispatcher());
   step(tick);
@@ -218,7 +241,7 @@ void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
 void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   restoreBulletState();
   if (!(tick > btScalar(0))) return;
-  const StopWatch watch(profile.readMs);
+  const StopWatch watch(profile.readBackMs);
   parallel.forEach(awake.size(), [&](std::size_t g) {
     if (!awake[g]->hasWorldPoints) readGroupFromBullet(*awake[g], tick);
   });
