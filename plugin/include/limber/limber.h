@@ -12,6 +12,7 @@
 // world belongs to the thread that steps the world.
 //
 // importMesh() needs the library limber_import, analyse() the library limber_analysis.
+#include <limber/contact_filter.h>
 #include <limber/contacts.h>
 #include <limber/cook.h>
 #include <limber/mesh.h>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/contact_filter.h>
 #include <limber/parallel.h>
 #include <limber/result.h>
 #include <limber/soft_body.h>
@@ -174,6 +175,13 @@ class SoftBodySystem {
   /// must outlive the system or be replaced before. Contacts that exist already begin after the next tick.
   void setContactListener(ContactListener* listener);
 
+  /// Sets the function that may change or reject contacts before they act (contact_filter.h); nullptr (the
+  /// default) for none. It is asked for contacts of this system's bodies of all kinds: with static, kinematic
+  /// and dynamic objects, with links of multibodies, with other soft bodies and with themselves, in both
+  /// modes of Collision. If the two soft bodies of a contact are in different systems, both filters are
+  /// asked. Wakes all bodies.
+  void setContactFilter(ContactFilter filter);
+
   /// Sets whether contacts of bodies with Collision::Surface appear as manifolds in Bullet's dispatcher, for
   /// programs that read contacts there. Between ticks there is then one manifold for each pair of a surface
   /// object and an object that it touches, with the four contacts of the largest impulses; m_index0 and
@@ -200,9 +208,10 @@ class SoftBodySystem {
   /// Bodies of Collision::Points are stepped in parallel.
   ///
   /// Within a tick these may then be called on any thread, and several at a time: the world's
-  /// btOverlapFilterCallback, Bullet's global functions for combined friction and restitution, and virtual
-  /// functions of the user's shapes and objects. They must not throw. They may call findSurface(),
-  /// findPoint(), isSystemObject() and SoftBody::settings(). Everything else keeps the thread rule above.
+  /// btOverlapFilterCallback, the ContactFilter, Bullet's global functions for combined friction and
+  /// restitution, and virtual functions of the user's shapes and objects. They must not throw. They may call
+  /// findSurface(), findPoint(), isSystemObject() and SoftBody::settings(). Everything else keeps the thread
+  /// rule above.
   void setParallelFor(ParallelFor run);
 
   const TickProfile& profile() const;

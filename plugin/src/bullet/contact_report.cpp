@@ -8,7 +8,9 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
+#include "bullet/contact_filter.h"
 #include "bullet/point_contacts.h"
+#include "bullet/sensors.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
@@ -121,6 +123,26 @@ void addPair(const Contact& pair, const ContactSource& source) {
   add(*other, mirrored(c, *object), handleOf(*object));
 }
 
+/// Returns the displacement (m) of a contact point in the tick.
+Vector3d displacementOf(const ContactPoint& p, const SoftBodyData* body, const TickContacts& pairs) {
+  if (p.kind == ContactPoint::Kind::World) return pairs.tick * p.velocity;
+  if (p.kind == ContactPoint::Kind::Rigid)
+    return pairs.tick * toEigen(pairs.rigids[p.body].body->getVelocityInLocalPoint(toBullet(p.arm)));
+  Vector3d displacement = Vector3d::Zero();
+  for (std::uint32_t i = 0; i < p.count; ++i)
+    displacement +=
+        p.weight[i] * (body->state.position.col(p.point[i]) - body->masses.startPosition.col(p.point[i]));
+  return displacement;
+}
+
+/// Adds a contact that has not acted. Its gap is that of the tick's start.
+void addSensed(const TickContacts& pairs, std::size_t i) {
+  Contact c = pairs.sensed[i];
+  const ContactSource& source = pairs.sensedSources[i];
+  c.gap += c.normal.dot(displacementOf(c.a, source.body, pairs) - displacementOf(c.b, source.other, pairs));
+  addPair(c, source);
+}
+
 // --- contacts of points that Bullet's solver handled -------------------------------------------------------
 
 /// Returns the soft body that has the object as its surface or a point, and sets `side` to the contact's
@@ -184,7 +206,9 @@ const SoftContact* addBulletContact(SoftBodyData& body, const SoftContact& c) {
     same->frictionImpulse += c.frictionImpulse;
     return same;
   }
-  if (isReported(body, c)) add(body, c, handleOf(*c.other));
+  // Bullet's solver does not act on contacts that the user's filter has removed
+  const bool isRemoved = isFiltered(body) && c.other->hasContactResponse();
+  if (!isRemoved && isReported(body, c)) add(body, c, handleOf(*c.other));
   return nullptr;
 }
 
@@ -242,6 +266,10 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
     if (pairs.sources[i].body && isValid(world, pairs.sources[i].partner))
       addPair(pairs.contacts[i], pairs.sources[i]);
+  for (std::size_t i = 0; i < pairs.sensed.size(); ++i)
+    if (isValid(world, pairs.sensedSources[i].partner)) addSensed(pairs, i);
+  for (SoftBodyData* body : bodies)
+    if (!body->sensors.empty()) reportSensors(*body);
   if (!anyInBullet) return;
   for (SoftBodyData* body : bodies) body->report.ownCount = body->report.contacts.size();
   forEachManifold(const_cast<btDispatcher&>(*world.getDispatcher()), exchangeImpulses);

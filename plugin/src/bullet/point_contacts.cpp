@@ -6,9 +6,11 @@
 
 #include "bullet/point_contacts.h"
 #include "bullet/bullet_objects.h"
+#include "bullet/contact_filter.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
+#include "bullet/sensors.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 
@@ -120,8 +122,9 @@ Eigen::AlignedBox3d searchBox(SoftBodyData& body, double tick) {
 /// to the lists of partners.
 void takePartners(SoftBodyData& body) {
   const SurfaceObject* own = body.surface.object;
+  body.sensors.clear();
   for (btCollisionObject* partner : body.surface.partners)
-    if ((!own || own->hasContactResponse()) && partner->hasContactResponse() &&
+    if (!addSensor(body, *partner) && partner->hasContactResponse() &&
         (!own || SurfaceObject::from(partner) || own->mayTouch(*partner)))
       addPartner(body, *partner);
   body.surface.partners.clear();
@@ -236,6 +239,7 @@ class Watch final : public SearchWatch {
     }
     swapRows(found_, foundPartners_);
     body_->state.position.col(i) = x;
+    if (isFiltered(*body_)) filterPlanes(*body_, found_, foundPartners_);
     replaceRows(i);
     const double covered = (x - body_->masses.startPosition.col(i)).norm() + searchRegion.distance;
     body_->searchDistance[i] = std::max(body_->searchDistance[i], covered);

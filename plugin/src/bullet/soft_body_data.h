@@ -22,6 +22,7 @@
 #include "solver/verlet_step.h"
 #include "solver/volumes.h"
 
+#include <limber/contact_filter.h>
 #include <limber/contacts.h>
 #include <limber/soft_body.h>
 
@@ -207,6 +208,7 @@ struct SoftBodyData {
   std::mutex* worldLock = nullptr;  ///< of the world: bodies may be read, searched and stepped at the same
                                     ///< time, but not what they share of Bullet and of their systems
 
+  const ContactFilter* filter = nullptr;       ///< of the system; may be empty
   const Surroundings* surroundings = nullptr;  ///< of the system
   std::unique_ptr<BodyMedium> medium;          ///< nullptr: nothing has acted on the body yet
 
@@ -235,6 +237,7 @@ struct SoftBodyData {
   std::unique_ptr<SearchWatch> watch;              ///< finds contacts beyond the search distance
   ContactSpeeds speeds;                            ///< of the present tick
   std::vector<const btCollisionObject*> partners;  ///< scratch of gatherContacts
+  std::vector<ObjectHandle> sensors;               ///< near in this tick, see addSensor()
   std::vector<btRigidBody*> freePartners;          ///< near in this tick, neither static nor kinematic
   std::vector<SoftBodyData*> softPartners;         ///< near in this tick, with surfaces
   ContactReport report;

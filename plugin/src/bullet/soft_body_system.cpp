@@ -2,7 +2,6 @@
 
 // This file implements the user's interface of a system: bodies, springs and anchors, contact listeners and
 // debug drawing. The ticks are in tick.cpp.
-
 #include <limber/soft_body_system.h>
 
 #include "bullet/body_in_world.h"
@@ -154,6 +153,7 @@ Result<SoftBody*> SoftBodySystem::createBody(const SharedNetwork& network, const
   (*data)->worldLock = &impl_->step->lock;
   (*data)->links = &impl_->step->links;
   (*data)->groupsStale = &impl_->step->groupsStale;
+  (*data)->filter = &impl_->filter;
   (*data)->surroundings = &impl_->surroundings;
   (*data)->onPointsExposed = [impl = impl_.get()] { impl->watchSteps(); };
   (*data)->onPointDeleted = [impl = impl_.get()](const btRigidBody& point) { impl->dropSprings(point); };

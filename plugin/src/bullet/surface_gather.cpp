@@ -6,6 +6,7 @@
 #include "bullet/surface_gather.h"
 
 #include "bullet/bullet_objects.h"
+#include "bullet/contact_filter.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
@@ -388,6 +389,7 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
     p.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - sides.rigid->position;
     return p;
   });
+  if (isFiltered(*m.body) || (m.other && isFiltered(*m.other))) filterPairs(s.pairs, s.sources);
 }
 
 void shareSoftPartners(const AwakeGroups& groups) {

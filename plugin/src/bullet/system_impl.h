@@ -13,6 +13,7 @@
 #include "bullet/tick_contacts.h"
 #include "bullet/tick_hook.h"
 
+#include <limber/contact_filter.h>
 #include <limber/soft_body_system.h>
 
 #include <functional>
@@ -71,6 +72,7 @@ struct SoftBodySystem::Impl final : TickListener {
   SharedModels models;
   std::unique_ptr<StepBoundary> stepBoundary;  // exists while users access point masses outside the world
   ContactEvents events;
+  ContactFilter filter;
   Surroundings surroundings;
   bool showsManifolds = false;
   std::vector<const SoftContact*> strongest;  // scratch of reportManifold
@@ -94,6 +96,7 @@ struct SoftBodySystem::Impl::WorldStep {
   void findAwake(btScalar tick);
   void read(btScalar tick);
   void collide(btScalar tick);
+  void filterContacts();
   void keepBudgets(btScalar tick);
   void findIslands(btScalar tick);
   void choose(btScalar tick);
@@ -122,6 +125,7 @@ struct SoftBodySystem::Impl::WorldStep {
   RigidSurfaces rigidSurfaces{shapes};
   ScratchPool<SurfaceSearch> searches;
   HeldPairs heldPairs;
+  std::vector<std::uint32_t> newIndex;     // scratch of filterPairs()
   std::vector<SoftBodyData*> living;       // the bodies in the groups
   std::vector<SoftBodyData*> moving;       // those of the awake groups
   std::vector<SpringConstraint*> springs;  // of all systems

@@ -4,6 +4,7 @@
 // that all systems of a world share, then those of each system.
 
 #include "bullet/body_in_world.h"
+#include "bullet/contact_filter.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
@@ -149,7 +150,16 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
       if (!heldPairs.take(*body, pairs)) gatherMovingPairs(*body, tick, rigidSurfaces, search, pairs);
   });
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
+  filterContacts();
   profile.rigidParts = rigidSurfaces.size();
+}
+
+void SoftBodySystem::Impl::WorldStep::filterContacts() {
+  if (std::none_of(systems.begin(), systems.end(), [](const Impl* system) { return bool(system->filter); }))
+    return;
+  for (SoftBodyData* body : moving)
+    if (isFiltered(*body)) filterPlanes(*body, pairs);
+  filterPairs(pairs, newIndex);
 }
 
 void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {

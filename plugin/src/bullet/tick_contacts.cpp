@@ -156,6 +156,8 @@ void TickContacts::clear(double comingTick) {
   rigids.clear();
   contacts.clear();
   sources.clear();
+  sensed.clear();
+  sensedSources.clear();
   candidates.clear();
   joints.clear();
   jointSources.clear();

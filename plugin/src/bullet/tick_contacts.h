@@ -86,7 +86,9 @@ struct SurfaceCandidate {
 struct TickContacts {
   std::vector<RigidPartner> rigids;
   std::vector<Contact> contacts;
-  std::vector<ContactSource> sources;  ///< #contacts
+  std::vector<ContactSource> sources;        ///< #contacts
+  std::vector<Contact> sensed;               ///< those that are only reported
+  std::vector<ContactSource> sensedSources;  ///< #sensed
   std::vector<SurfaceCandidate> candidates;
   std::vector<JointConstraint> joints;
   std::vector<JointSource> jointSources;  ///< #joints

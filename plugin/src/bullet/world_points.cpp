@@ -5,6 +5,7 @@
 // in their path, finds contacts with points of other bodies, and reads and writes Bullet's manifolds.
 
 #include "bullet/bullet_objects.h"
+#include "bullet/contact_filter.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
@@ -373,7 +374,9 @@ void disableBulletResponse(btDispatcher& dispatcher) {
                                       const btCollisionObject& partner) {
     // where an object is at its end pose, Bullet would push the point out of that
     const bool onOwnRows = !point.owner()->asleep && (isAtEndPose(partner) || hasRows(point, partner));
-    if (onOwnRows || isBetweenAwakePoints(point, partner))
+    // a contact without rows is one that the user's filter has removed
+    const bool onFilter = !point.owner()->asleep && isFiltered(*point.owner());
+    if (onOwnRows || onFilter || isBetweenAwakePoints(point, partner))
       manifold.setContactProcessingThreshold(kIgnoredByBullet);
   });
 }

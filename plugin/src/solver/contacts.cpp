@@ -61,10 +61,10 @@ const double* inverseMassOf(const IslandConstraints& rows, const PointView& view
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const std::vector<PointView>& views, const ContactPoint& side, double sign) {
-  if (side.kind == ContactPoint::Kind::World) {
-    const Vector3d speeds = inAxes(row, sign * side.velocity);
-    row.surfaceSpeeds += {speeds[0], speeds[1], speeds[2]};
-  } else if (side.kind == ContactPoint::Kind::Soft) {
+  const Vector3d speeds = inAxes(row, sign * side.velocity);
+  row.surfaceSpeeds += {speeds[0], speeds[1], speeds[2]};
+  if (side.kind == ContactPoint::Kind::World) return;
+  if (side.kind == ContactPoint::Kind::Soft) {
     const PointView& view = views[side.body];
     for (std::uint32_t i = 0; i < side.count; ++i) {
       const double* inverseMass = inverseMassOf(rows, view, side.body, side.point[i]);
@@ -189,6 +189,8 @@ void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal,
              const double* weights) {
   ContactConstraint& row = rows.rows[index];
   setNormal(rows.contacts[index], row, normal);
+  const Vector3d beltSpeeds = inAxes(row, rows.contacts[index].b.velocity);
+  row.surfaceSpeeds = {0.0, 0.0 - beltSpeeds[1], 0.0 - beltSpeeds[2]};
   row.gap = gap;
   Vector3d mobility = Vector3d::Zero();
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {

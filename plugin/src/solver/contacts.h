@@ -36,7 +36,8 @@ struct ContactPoint {
   std::array<std::uint32_t, 3> point{};                ///< Soft
   std::array<double, 3> weight{1.0};                   ///< Soft, sum 1
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< Rigid: m, from the centre of mass, world axes
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< World: m/s, constant over the tick
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick; of the
+                                                       ///< surface, in addition to the body's motion
 };
 
 /// A corner, or both ends of an edge, of an object at rest that touches an edge or triangle of a soft body.

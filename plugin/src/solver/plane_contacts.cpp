@@ -156,8 +156,9 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
   for (const HeldContact& c : around->all->contacts) {
     PlaneContact* row = unusedRowFor(c, rows, count);
     if (!row) continue;
-    row->away = false;
+    row->away = c.normal.dot(row->facing) < 0.0;
     row->normal = c.normal;
+    row->surfaceVelocity -= c.normal.dot(row->surfaceVelocity) * c.normal;
     row->touch = c.touch;
     row->mass = massAlongNormal(*row, points);
   }

@@ -57,12 +57,15 @@ struct ContactTarget {
 struct PlaneContact : ContactBase, ContactTarget {
   std::uint32_t point = 0;
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();  ///< m, the centre of a touching point at the tick's start
-  Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick
+  Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick;
+                                                              ///< of pieces at rest (a belt), across the
+                                                              ///< present normal
   bool coupled = false;  ///< solved together with the contacts between bodies (contacts.h)
 
   HeldNeighbourhood* around = nullptr;  ///< followed pieces of a surface at rest; nullptr: the plane is fixed
   std::uint32_t owner = 0;              ///< of its pieces in `around`
   bool away = false;                    ///< the point cannot touch these pieces in the next substep
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();  ///< planes whose normals point away from it do not act
 
   // Written by the step.
   double mass = 0.0;      ///< kg along the normal; 0: cannot be moved

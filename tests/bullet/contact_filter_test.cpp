@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Zlib
+// Contacts that the user's filter changes or rejects before they act.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/small_meshes.h"
+#include "support/tested_way.h"
+
+#include <limber/contacts.h>
+#include <limber/network_builder.h>
+#include <limber/parallel.h>
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::kGravity;
+using test::kRadius;
+using test::kTick;
+using test::vec;
+
+/// A cube of 1 m at a height (m) of its lowest surface.
+SoftBody* addFilteredCube(SoftBodySystem& system, double height, double x = 0.0) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {x, height + 0.5 + kRadius, 0};
+  s.extensionStiffness = s.compressionStiffness = 5000;
+  s.damping = 20;
+  s.pointRadius = kRadius;
+  return *system.createBody(test::closedCubeNetwork(), s);
+}
+
+double speedOf(const SoftBody& body) { return body.linearMomentum().x() / body.totalMass(); }
+
+enum class Ground { Plane, Box, Triangles, Dynamic, Kinematic };
+
+btRigidBody* addGround(BulletWorld& bullet, Ground ground) {
+  if (ground == Ground::Plane) return bullet.addPlaneFloor();
+  if (ground == Ground::Triangles) return bullet.addTriangleFloor();
+  if (ground == Ground::Box) return bullet.addBoxFloor();
+  if (ground == Ground::Dynamic) bullet.addBox(vec(20, 1, 20), 0, vec(0, -3, 0))->setFriction(1);
+  btRigidBody* box = bullet.addBox(vec(4, 1, 4), ground == Ground::Dynamic ? 1e6 : 0, vec(0, -1, 0));
+  box->setFriction(1);
+  box->setActivationState(DISABLE_DEACTIVATION);
+  if (ground == Ground::Kinematic) box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  return box;
+}
+
+constexpr Ground kGrounds[] = {Ground::Plane, Ground::Box, Ground::Triangles, Ground::Dynamic,
+                               Ground::Kinematic};
+
+// --- conveyor belts ----------------------------------------------------------------------------------------
+
+TEST(ContactFilter, aBeltAcceleratesACubeByItsFrictionUpToItsSpeed) {
+  constexpr double kFriction = 0.3, kBelt = 1.5;
+  for (const Ground ground : kGrounds) {
+    SCOPED_TRACE(static_cast<int>(ground));
+    BulletWorld bullet;
+    btRigidBody* belt = addGround(bullet, ground);
+    SoftBodySystem system(*bullet.world);
+    system.setContactFilter([&](ContactCandidate& c) {
+      if (c.other != belt) return;
+      c.friction = kFriction;
+      c.surfaceVelocity = vec(kBelt, 0.7, 0);  // the part along the normal does not act
+    });
+    SoftBody* cube = addFilteredCube(system, 0.0);
+    bullet.simulate(0.3);
+    EXPECT_NEAR(speedOf(*cube), kFriction * kGravity * 0.3, 0.04 * kFriction * kGravity * 0.3);
+    bullet.simulate(1.0);
+    EXPECT_NEAR(speedOf(*cube), kBelt, 0.01 * kBelt);
+    EXPECT_NEAR(test::lowest(*cube), kRadius, 0.01);
+  }
+}
+
+TEST(ContactFilter, aBallOnATurningDrumIsCarriedAlongItsSurface) {
+  BulletWorld bullet;
+  btRigidBody* drum = bullet.add(std::make_unique<btCylinderShapeZ>(vec(1, 1, 2)), 0, vec(0, -1, 0));
+  SoftBodySystem system(*bullet.world);
+  system.setContactFilter([&](ContactCandidate& c) {
+    c.friction = 1.0;
+    const btVector3 arm = c.position - drum->getWorldTransform().getOrigin();
+    c.surfaceVelocity = btVector3(0, 0, 1).cross(arm) * btScalar(-1);
+  });
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.22, 0};
+  s.extensionStiffness = s.compressionStiffness = 2000;
+  s.damping = 10;
+  s.scale = {0.2, 0.2, 0.2};
+  SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(1)), s);
+  bullet.simulate(0.6);
+  EXPECT_GT(ball->centerOfMass().x(), 0.05) << "clockwise: to the right on top";
+}
+
+// --- rejected and reported contacts ------------------------------------------------------------------------
+
+TEST(ContactFilter, rejectedContactsNeitherActNorAreReported) {
+  for (const Ground ground : kGrounds) {
+    SCOPED_TRACE(static_cast<int>(ground));
+    BulletWorld bullet;
+    addGround(bullet, ground);
+    SoftBodySystem system(*bullet.world);
+    system.setContactFilter([](ContactCandidate& c) { c.response = ContactResponse::Ignore; });
+    SoftBody* cube = addFilteredCube(system, 0.1);
+    const double start = cube->centerOfMass().y();
+    for (int i = 0; i < 30; ++i) {
+      bullet.tick();
+      EXPECT_TRUE(cube->contacts().empty());
+    }
+    EXPECT_NEAR(cube->centerOfMass().y(), start - 0.5 * kGravity * 0.25, 0.05);
+  }
+}
+
+TEST(ContactFilter, reportedContactsDoNotAct) {
+  for (const Ground ground : kGrounds) {
+    SCOPED_TRACE(static_cast<int>(ground));
+    BulletWorld bullet;
+    btRigidBody* floor = addGround(bullet, ground);
+    SoftBodySystem system(*bullet.world);
+    system.setContactFilter([](ContactCandidate& c) { c.response = ContactResponse::Report; });
+    SoftBody* cube = addFilteredCube(system, 0.1);
+    const double start = cube->centerOfMass().y();
+    std::size_t reported = 0;
+    for (int i = 0; i < 15; ++i) {
+      bullet.tick();
+      for (const SoftContact& c : cube->contacts()) {
+        EXPECT_EQ(c.other, floor);
+        EXPECT_EQ(c.normalImpulse, 0.0);
+        EXPECT_LT(c.distance, 0.05 * kRadius);
+        ++reported;
+      }
+    }
+    EXPECT_GT(reported, 4u);
+    EXPECT_NEAR(cube->centerOfMass().y(), start - 0.5 * kGravity * 0.0625, 0.02);
+  }
+}
+
+TEST(ContactFilter, softBodiesPassThroughEachOtherAndThemselvesIfTheFilterSaysSo) {
+  for (const ContactResponse response : {ContactResponse::Act, ContactResponse::Ignore}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    std::size_t asked = 0;
+    system.setContactFilter([&](ContactCandidate& c) {
+      asked += c.otherBody != nullptr;
+      c.response = response;
+    });
+    SoftBody* left = addFilteredCube(system, 0.0);
+    SoftBody* right = addFilteredCube(system, 0.0, 1.2);
+    left->setVelocity(vec(2, 0, 0));
+    bullet.simulate(0.5);
+    EXPECT_GT(asked, 0u);
+    if (response == ContactResponse::Act)
+      EXPECT_GT(speedOf(*right), 0.5);
+    else
+      EXPECT_NEAR(speedOf(*right), 0.0, 1e-6);
+  }
+}
+
+// --- one side ----------------------------------------------------------------------------------------------
+
+TEST(ContactFilter, aPlatformHoldsFromAboveOnly) {
+  BulletWorld bullet;
+  bullet.addBox(vec(3, 0.1, 3), 0, vec(0, 0, 0));
+  SoftBodySystem system(*bullet.world);
+  system.setContactFilter([](ContactCandidate& c) { c.facing = vec(0, 1, 0); });
+  SoftBody* cube = addFilteredCube(system, -1.5);
+  cube->setVelocity(vec(0, 7, 0));
+  double highest = -10;
+  for (int i = 0; i < 180; ++i) {
+    bullet.tick();
+    highest = std::max(highest, test::lowest(*cube));
+  }
+  EXPECT_GT(highest, 0.5) << "the platform does not stop it from below";
+  EXPECT_NEAR(test::lowest(*cube), 0.1 + kRadius, 0.02) << "it lies on it";
+}
+
+TEST(ContactFilter, aClothInsideACharacterLeavesToTheChosenSide) {
+  for (const bool kinematic : {false, true}) {
+    SCOPED_TRACE(kinematic);
+    BulletWorld bullet;
+    btRigidBody* character =
+        bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(1.2)), 0, vec(0, 0, 0));
+    if (kinematic) {
+      character->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+      character->setActivationState(DISABLE_DEACTIVATION);
+    }
+    SoftBodySystem system(*bullet.world);
+    system.setContactFilter([](ContactCandidate& c) { c.facing = vec(0, 0, -1); });
+    // a cape that hangs from the shoulders behind the character (-z), blown through it to the front
+    ClothSettings cape;
+    cape.width = 0.5, cape.depth = 0.9;
+    cape.columns = 6, cape.rows = 10;
+    SoftBodySettings s = test::testedSettings();
+    s.pointRadius = 0.02;
+    s.totalMass = 0.3;
+    s.rotation = Eigen::AngleAxisd(0.31 * test::kPi, Eigen::Vector3d::UnitX());
+    s.position = {0, 0.127, -0.1};
+    s.extensionStiffness = s.compressionStiffness = 500;
+    s.damping = 1;
+    s.flow.drag = 1.0;
+    SoftBody* cloth = *system.createBody(*buildCloth(cape), s);
+    for (std::uint32_t i = 0; i <= cape.columns; ++i) cloth->pin(i);
+    EXPECT_GT(cloth->position(cloth->pointCount() - 1).z(), 0.1);
+    bullet.simulate(4.0);
+    double innermost = 1.0;
+    for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) {
+      const Eigen::Vector3d x = cloth->position(i);
+      const double along = std::clamp(x.y(), -0.6, 0.6);
+      innermost = std::min(innermost, (x - Eigen::Vector3d(0, along, 0)).norm());
+      EXPECT_LT(x.z(), 0.0);
+    }
+    EXPECT_GT(innermost, 0.3) << "no point is still inside";
+  }
+}
+
+// --- what a candidate knows --------------------------------------------------------------------------------
+
+TEST(ContactFilter, knowsTheTriangleOfAMesh) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addTriangleFloor();
+  SoftBodySystem system(*bullet.world);
+  std::size_t asked = 0;
+  system.setContactFilter([&](ContactCandidate& c) {
+    if (c.distance > 0.05) return;
+    struct Ray final : btCollisionWorld::ClosestRayResultCallback {
+      using ClosestRayResultCallback::ClosestRayResultCallback;
+      int part = -1, triangle = -1;
+      btScalar addSingleResult(btCollisionWorld::LocalRayResult& r, bool inWorld) override {
+        part = r.m_localShapeInfo->m_shapePart;
+        triangle = r.m_localShapeInfo->m_triangleIndex;
+        return ClosestRayResultCallback::addSingleResult(r, inWorld);
+      }
+    } ray(c.position + vec(0.001, 1, 0.0007), c.position + vec(0.001, -1, 0.0007));
+    const btTransform from(btQuaternion::getIdentity(), ray.m_rayFromWorld),
+        to(btQuaternion::getIdentity(), ray.m_rayToWorld);
+    btCollisionWorld::rayTestSingle(from, to, floor, floor->getCollisionShape(), floor->getWorldTransform(),
+                                    ray);
+    ASSERT_TRUE(ray.hasHit());
+    EXPECT_EQ(c.otherPart, ray.part);
+    EXPECT_EQ(c.otherTriangle, ray.triangle);
+    ++asked;
+  });
+  SoftBody* cube = addFilteredCube(system, 0.0, 0.05);
+  bullet.simulate(0.2);
+  EXPECT_GT(asked, 20u);
+  EXPECT_NEAR(test::lowest(*cube), kRadius, 0.01);
+}
+
+TEST(ContactFilter, bouncesWithTheRestitutionOfTheFilter) {
+  BulletWorld bullet;
+  bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  system.setContactFilter([](ContactCandidate& c) { c.restitution = 1.0; });
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 1.0 + kRadius, 0};
+  s.pointRadius = kRadius;
+  SoftBody* pair = *system.createBody(test::pairNetwork(), s);
+  double highest = 0.0;
+  for (int i = 0; i < 54; ++i) {
+    bullet.tick();
+    if (i > 35) highest = std::max(highest, test::lowest(*pair));
+  }
+  EXPECT_NEAR(highest, 1.0 + kRadius, 0.05);
+}
+
+TEST(ContactFilter, bulletsCombinedFrictionIsThatOfThePair) {
+  const CalculateCombinedCallback before = gCalculateCombinedFrictionCallback;
+  gCalculateCombinedFrictionCallback = [](const btCollisionObject* a, const btCollisionObject* b) {
+    return (a->getUserIndex2() == 7 || b->getUserIndex2() == 7) ? btScalar(0) : btScalar(1);
+  };
+  for (const bool slippery : {true, false}) {
+    BulletWorld bullet;
+    bullet.addPlaneFloor()->setUserIndex2(slippery ? 7 : 1);
+    SoftBodySystem system(*bullet.world);
+    SoftBody* cube = addFilteredCube(system, 0.0);
+    cube->setVelocity(vec(1, 0, 0));
+    bullet.simulate(0.5);
+    EXPECT_NEAR(speedOf(*cube), slippery ? 1.0 : 0.0, 0.05);
+  }
+  gCalculateCombinedFrictionCallback = before;
+}
+
+// --- determinism -------------------------------------------------------------------------------------------
+
+TEST(ContactFilter, givesTheSameBitsOnAnyNumberOfThreads) {
+  std::vector<std::uint64_t> hashes;
+  for (const unsigned threads : {1u, 2u}) {
+    BulletWorld bullet;
+    addGround(bullet, Ground::Triangles);
+    SoftBodySystem system(*bullet.world);
+    ThreadPool pool(threads);
+    system.setParallelFor(pool.parallelFor());
+    system.setContactFilter([](ContactCandidate& c) {
+      c.friction = c.otherTriangle % 2 ? 0.1 : 0.9;
+      c.surfaceVelocity = vec(0.5, 0, 0);
+    });
+    for (int i = 0; i < 6; ++i) addFilteredCube(system, 0.3 * i, 0.9 * i)->setVelocity(vec(0, -4, 1));
+    bullet.simulate(1.0);
+    std::uint64_t hash = 0;
+    for (std::size_t i = 0; i < system.bodyCount(); ++i) hash = hash * 31 + system.body(i)->stateHash();
+    hashes.push_back(hash);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(ContactFilter, aFilterThatChangesNothingChangesNoBit) {
+  std::vector<std::uint64_t> hashes;
+  for (const bool filtered : {false, true}) {
+    BulletWorld bullet;
+    addGround(bullet, test::kSurface ? Ground::Dynamic : Ground::Box);
+    SoftBodySystem system(*bullet.world);
+    if (filtered) system.setContactFilter([](ContactCandidate&) {});
+    SoftBody* cube = addFilteredCube(system, 0.3);
+    cube->setVelocity(vec(1, -2, 0), vec(1, 2, 3));
+    bullet.simulate(1.0);
+    hashes.push_back(cube->stateHash());
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+}  // namespace
+}  // namespace limber

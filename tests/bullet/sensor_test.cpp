@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Zlib
+// Objects and soft bodies without contact response: they are reported and push nothing. Bullet's own soft
+// bodies in the same world.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/contacts.h>
+#include <limber/network_builder.h>
+#include <limber/soft_body_system.h>
+
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::kGravity;
+using test::kRadius;
+using test::vec;
+
+SoftBody* addSensedCube(SoftBodySystem& system, double y) {
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, y, 0};
+  s.extensionStiffness = s.compressionStiffness = 5000;
+  s.damping = 20;
+  s.pointRadius = kRadius;
+  return *system.createBody(test::closedCubeNetwork(), s);
+}
+
+struct SensorCalls : ContactListener {
+  std::string calls;
+  const btCollisionObject* other = nullptr;
+  void contactBegins(const ContactPair& pair) override { calls += 'b', other = pair.other; }
+  void contactEnds(const ContactPair&) override { calls += 'e'; }
+};
+
+/// Drops a cube through an object and checks that it falls freely, and that it is reported once.
+void expectSensed(BulletWorld& bullet, const btCollisionObject& sensor) {
+  SoftBodySystem system(*bullet.world);
+  SensorCalls calls;
+  system.setContactListener(&calls);
+  SoftBody* cube = addSensedCube(system, 2.0);
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick();
+    for (const SoftContact& c : cube->contacts()) {
+      EXPECT_EQ(c.other, &sensor);
+      EXPECT_EQ(c.normalImpulse, 0.0);
+      EXPECT_NEAR(c.side.weights.sum(), 1.0, 1e-6);
+    }
+  }
+  EXPECT_EQ(calls.calls, "be");
+  EXPECT_EQ(calls.other, &sensor);
+  EXPECT_NEAR(cube->centerOfMass().y(), 2.0 - 0.5 * kGravity, 0.1);
+  system.setContactListener(nullptr);
+}
+
+TEST(Sensors, aBoxWithoutResponseReportsACube) {
+  BulletWorld bullet;
+  btRigidBody* box = bullet.addBox(vec(2, 0.6, 2), 0, vec(0, 0, 0));
+  box->setCollisionFlags(box->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  expectSensed(bullet, *box);
+}
+
+TEST(SurfaceSensors, aGhostSmallerThanATriangleReportsACube) {
+  BulletWorld bullet;
+  btSphereShape shape(btScalar(0.05));
+  btGhostObject ghost;
+  ghost.setCollisionShape(&shape);
+  ghost.setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0.5, 0, 0.21)));
+  bullet.world->addCollisionObject(&ghost);
+  expectSensed(bullet, ghost);
+  bullet.world->removeCollisionObject(&ghost);
+}
+
+TEST(SurfaceSensors, aSoftBodyCanBeASensor) {
+  BulletWorld bullet;
+  btRigidBody* floor = bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addSensedCube(system, 0.7);
+  SoftBody* solid = addSensedCube(system, 2.0);
+  cube->surfaceObject()->setCollisionFlags(cube->surfaceObject()->getCollisionFlags() |
+                                           btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  bool touchesFloor = false, touchesSolid = false;
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick();
+    for (const SoftContact& c : cube->contacts()) {
+      touchesFloor = touchesFloor || c.other == floor;
+      touchesSolid = touchesSolid || c.otherBody == solid;
+      EXPECT_TRUE(c.impulse.isZero());
+    }
+    if (i == 20) cube->setTransform(btTransform(btQuaternion::getIdentity(), vec(0, 0.3, 0)));
+  }
+  EXPECT_TRUE(touchesFloor);
+  EXPECT_LT(cube->centerOfMass().y(), -0.5) << "it falls through the floor";
+  EXPECT_NEAR(test::lowest(*solid), kRadius, 0.05) << "which holds the other one";
+}
+
+// --- Bullet's soft bodies ----------------------------------------------------------------------------------
+
+TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
+  btSoftBodyRigidBodyCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher(&configuration);
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+  world.setGravity(btVector3(0, -10, 0));
+  world.getWorldInfo().m_gravity = btVector3(0, -10, 0);
+  btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+  btRigidBody floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane));
+  world.addRigidBody(&floor);
+  btSoftBody* theirs = btSoftBodyHelpers::CreateEllipsoid(world.getWorldInfo(), btVector3(0, 1.5, 0),
+                                                          btVector3(1, 1, 1) * btScalar(0.5), 128);
+  world.addSoftBody(theirs);
+  SoftBodySystem system(world);
+  SoftBody* ours = addSensedCube(system, 0.6);
+  for (int i = 0; i < 120; ++i) world.stepSimulation(btScalar(1) / 60, 0);
+  EXPECT_NEAR(test::lowest(*ours), kRadius, 0.02);
+  EXPECT_EQ(ours->restorations(), 0u);
+  for (const SoftContact& c : ours->contacts()) EXPECT_EQ(c.other, &floor);
+  btScalar top = -10;
+  for (int i = 0; i < theirs->m_nodes.size(); ++i) top = btMax(top, theirs->m_nodes[i].m_x.y());
+  EXPECT_LT(double(top), 0.9) << "it falls through the cube, of which the top is at 1.04 m";
+  world.removeSoftBody(theirs);
+  delete theirs;
+  world.removeRigidBody(&floor);
+}
+
+// --- the profile -------------------------------------------------------------------------------------------
+
+TEST(Profile, countsTheWorkOfTheTick) {
+  BulletWorld bullet;
+  bullet.addPlaneFloor();
+  bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 1.3, 0));
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addSensedCube(system, 0.5 + kRadius);
+  SoftBodySettings far = cube->settings();
+  far.position = {30, 5, 0};
+  SoftBody* alone = *system.createBody(test::closedCubeNetwork(), far);
+  bullet.simulate(0.3);
+  const TickProfile& p = system.profile();
+  EXPECT_EQ(p.awakeBodies, 2u);
+  EXPECT_EQ(p.pointsStepped, 16u);
+  EXPECT_EQ(p.substeps, static_cast<std::size_t>(cube->substeps() + alone->substeps()));
+  EXPECT_EQ(p.islands, 1u) << "the cube under the box";
+  EXPECT_GE(p.contacts, 8u) << "four on the floor, four under the box";
+  EXPECT_GT(p.searchMs, 0.0);
+  EXPECT_GT(p.islandsMs, 0.0);
+  EXPECT_GT(p.chooseMs, 0.0);
+  EXPECT_NEAR(p.totalMs(),
+              p.readMs + p.searchMs + p.islandsMs + p.chooseMs + p.stepMs + p.writeMs + p.readBackMs, 1e-9);
+}
+
+}  // namespace
+}  // namespace limber
