@@ -15,6 +15,7 @@
 #include <limber/contact_filter.h>
 #include <limber/contacts.h>
 #include <limber/cook.h>
+#include <limber/grab.h>
 #include <limber/mesh.h>
 #include <limber/network_analysis.h>
 #include <limber/network_builder.h>

@@ -134,6 +134,9 @@ class SoftBodySystem {
   /// Sets new settings of a spring; without a rest length it keeps the current one. Errors: invalid settings,
   /// a spring that does not, or no longer, belong to this system.
   Result<void> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
+  /// Moves the end of a spring that is fixed in the world, at once; the other end is pulled along. Wakes
+  /// nothing. Errors: no such spring, both ends on bodies, a pivot that is not finite or farther than 1e6 m.
+  Result<void> moveSpring(SpringConstraint* spring, const btVector3& pivot);
   /// Removes a spring. Error: one that does not, or no longer, belong to this system.
   Result<void> removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limber/bullet_precision.h>
+#include <limber/contacts.h>
+#include <limber/handle.h>
+#include <limber/result.h>
+#include <limber/soft_body_system.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <array>
+#include <cstdint>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+
+struct GrabSettings {
+  double frequency = 4.0;  ///< Hz, 0.01 to 1000, of the body's mass on the spring, which is critically damped
+  double maxForce = 0.0;   ///< N, largest force of the spring, without the damping; 0: no limit
+};
+
+/// Holds a point of a soft body with a spring to a place in the world, for mouse picking and hands.
+///
+///     limber::Result<limber::Grab> held = limber::grab(soft, limber::surfaceHit(object, triangle, place));
+///     held->moveTo(mouse);      // in each frame
+///     held->release();          // or destroy it
+///
+/// The body, the system and the world may be destroyed before it; it then holds nothing. Thread rule: as for
+/// SoftBodySystem.
+class Grab {
+ public:
+  Grab() = default;
+  ~Grab() { release(); }
+  Grab(Grab&& other) noexcept;
+  Grab& operator=(Grab&& other) noexcept;
+
+  /// Moves the place and wakes the body. With the place's velocity (m/s) the point does not lag behind a
+  /// place that moves evenly, by 2 / (2 pi frequency) seconds. No effect on a place that is not finite.
+  void moveTo(const btVector3& place, const btVector3& velocity = btVector3(0, 0, 0));
+  void release();
+
+  bool holds() const;                             ///< false after release(), or if the body is gone
+  SoftBody* body() const { return body_.get(); }  ///< nullptr if it is gone
+  std::uint32_t point() const { return point_; }  ///< of the body
+  btVector3 force() const;                        ///< N on the body, at the end of the last tick
+
+ private:
+  friend Result<Grab> grab(SoftBodySystem&, SoftBody*, std::uint32_t, const GrabSettings&);
+
+  SoftBodySystem* system_ = nullptr;  // exists as long as one of the springs does
+  Handle<SoftBody> body_;
+  std::uint32_t point_ = 0;
+  std::array<Handle<SpringConstraint>, 3> springs_;  // one along each axis, to a place far away
+  double stiffness_ = 0.0, damping_ = 0.0, maxForce_ = 0.0;
+};
+
+/// Grabs point i of a body, at its present position. Errors: no body of this system, no such point, a pinned
+/// point, invalid settings.
+Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const GrabSettings& settings = {});
+/// Grabs the point of a body that is nearest to a hit on its surface. Errors: also no hit.
+Result<Grab> grab(SoftBodySystem& system, const SurfaceHit& hit, const GrabSettings& settings = {});
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

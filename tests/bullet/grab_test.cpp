@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Zlib
+// Points of soft bodies that the user holds.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
+#include "support/tested_way.h"
+
+#include <limber/contacts.h>
+#include <limber/grab.h>
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::eigen;
+using test::kGravity;
+using test::kTick;
+using test::vec;
+
+SoftBody* addGrabbedCube(SoftBodySystem& system, double mass = 2.0) {
+  SoftBodySettings s = test::testedSettings();
+  s.extensionStiffness = s.compressionStiffness = 5000;
+  s.damping = 20;
+  s.totalMass = mass;
+  return *system.createBody(test::closedCubeNetwork(), s);
+}
+
+TEST(Grab, aPointFollowsTheTargetAndTheReleasedBodyFalls) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addGrabbedCube(system);
+  const Eigen::Vector3d start = cube->position(7);
+  Result<Grab> held = grab(system, cube, 7);
+  ASSERT_TRUE(held) << held.error();
+  const auto placeAt = [&](double t) {
+    return Eigen::Vector3d(start + Eigen::Vector3d(std::sin(2 * t), 0.5 * t, std::cos(2 * t) - 1));
+  };
+  const double sag = kGravity / std::pow(2 * test::kPi * 4.0, 2);
+  for (int i = 0; i < 180; ++i) {
+    const double t = kTick * i;
+    const Eigen::Vector3d v = (placeAt(t + kTick) - placeAt(t)) / kTick;
+    held->moveTo(vec(placeAt(t).x(), placeAt(t).y(), placeAt(t).z()), vec(v.x(), v.y(), v.z()));
+    bullet.tick();
+    if (i > 60) {
+      EXPECT_LT((cube->position(7) - placeAt(t + kTick)).norm(), sag + 0.12);
+    }
+  }
+  const Eigen::Vector3d last = placeAt(kTick * 180);
+  held->moveTo(vec(last.x(), last.y(), last.z()));
+  double height = 0.0, force = 0.0;  // means: the cube swings about the place
+  for (int i = 0; i < 1200; ++i) {
+    bullet.tick();
+    height += cube->position(7).y() / 1200;
+    force += double(held->force().y()) / 1200;
+  }
+  EXPECT_NEAR(height, last.y() - sag, 0.01);
+  EXPECT_NEAR(force, 2.0 * kGravity, 0.02 * 2.0 * kGravity);
+  held->release();
+  EXPECT_FALSE(held->holds());
+  EXPECT_EQ(system.springCount(), 0u);
+  const double before = cube->centerOfMass().y(), speed = cube->linearMomentum().y() / 2.0;
+  bullet.simulate(0.5);
+  EXPECT_NEAR(cube->centerOfMass().y(), before + 0.5 * speed - 0.125 * kGravity, 0.05);
+}
+
+TEST(Grab, atRestItDoesNotOscillate) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* pair = addGrabbedCube(system);
+  Result<Grab> held = grab(system, pair, 0);
+  ASSERT_TRUE(held);
+  const Eigen::Vector3d place = pair->position(0) + Eigen::Vector3d(0.2, 0, 0);
+  double beyond = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    held->moveTo(vec(place.x(), place.y(), place.z()));
+    bullet.tick();
+    beyond = std::max(beyond, (pair->position(0) - place).x());
+  }
+  EXPECT_LT(beyond, 0.03);
+  EXPECT_LT((pair->position(0) - place).norm(), 0.02);
+}
+
+TEST(Grab, pullsNoMoreThanItsForce) {
+  BulletWorld bullet;
+  bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addGrabbedCube(system);
+  GrabSettings weak;
+  weak.maxForce = 0.5 * 2.0 * kGravity;
+  Result<Grab> held = grab(system, cube, 7, weak);
+  ASSERT_TRUE(held);
+  for (int i = 0; i < 120; ++i) {
+    held->moveTo(vec(0, 10, 0));
+    bullet.tick();
+  }
+  EXPECT_LT(test::lowest(*cube), 0.1) << "it is not lifted by half its weight";
+}
+
+TEST(Grab, survivesTheBodyAndTheSystem) {
+  BulletWorld bullet;
+  auto system = std::make_unique<SoftBodySystem>(*bullet.world);
+  SoftBody* cube = addGrabbedCube(*system);
+  Grab held = std::move(*grab(*system, cube, 0));
+  Grab other = std::move(*grab(*system, addGrabbedCube(*system), 1));
+  ASSERT_TRUE(held.holds());
+  system->destroyBody(cube);
+  EXPECT_FALSE(held.holds());
+  EXPECT_EQ(held.body(), nullptr);
+  held.moveTo(vec(0, 1, 0));
+  bullet.tick();
+  EXPECT_TRUE(other.holds());
+  other.moveTo(vec(0, std::numeric_limits<double>::quiet_NaN(), 0));
+  system.reset();
+  EXPECT_FALSE(other.holds());
+  other.moveTo(vec(0, 1, 0));
+  other.release();
+}
+
+TEST(Grab, refusesWhatIsNotThere) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addGrabbedCube(system);
+  EXPECT_FALSE(grab(system, SurfaceHit()));
+  EXPECT_FALSE(grab(system, nullptr, 0));
+  EXPECT_FALSE(grab(system, cube, 100));
+  GrabSettings bad;
+  bad.frequency = 0;
+  EXPECT_FALSE(grab(system, cube, 0, bad));
+  cube->pin(0);
+  EXPECT_FALSE(grab(system, cube, 0));
+  EXPECT_EQ(system.springCount(), 0u);
+}
+
+TEST(SurfaceGrab, holdsWhatARayHits) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addGrabbedCube(system);
+  bullet.tick();
+  struct Ray final : btCollisionWorld::ClosestRayResultCallback {
+    using ClosestRayResultCallback::ClosestRayResultCallback;
+    int triangle = -1;
+    btScalar addSingleResult(btCollisionWorld::LocalRayResult& r, bool inWorld) override {
+      triangle = r.m_localShapeInfo->m_triangleIndex;
+      return ClosestRayResultCallback::addSingleResult(r, inWorld);
+    }
+  } ray(vec(0.3, 0.2, 5), vec(0.3, 0.2, -5));
+  bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
+  ASSERT_TRUE(ray.hasHit());
+  Result<Grab> held = grab(system, surfaceHit(ray.m_collisionObject, ray.triangle, ray.m_hitPointWorld));
+  ASSERT_TRUE(held);
+  EXPECT_EQ(held->body(), cube);
+  EXPECT_GT(cube->position(held->point()).z(), 0.0) << "on the front";
+  bullet.simulate(1.0);
+  EXPECT_GT(cube->centerOfMass().y(), -1.2) << "it hangs there";
+}
+
+}  // namespace
+}  // namespace limber
