@@ -22,6 +22,7 @@
 #include <limber/parallel.h>
 #include <limber/parallel_for.h>
 #include <limber/result.h>
+#include <limber/skeleton.h>
 #include <limber/soft_body.h>
 #include <limber/soft_body_settings.h>
 #include <limber/soft_body_system.h>

@@ -166,6 +166,8 @@ struct SpringSettings {
   double stiffness = 1000.0;         ///< N/m, 0 to 1e12
   double damping = 0.0;              ///< N s/m along the spring, 0 to 1e12, only while the spring acts
   SpringAction action = SpringAction::Both;
+  double breakForce = 0.0;  ///< N, 0 (never) to 1e18; after a tick that ends with a larger force, pulling or
+                            ///< pushing, the spring is broken for good, see SpringConstraint::broken()
 };
 
 /// Checks settings. The error is the first invalid one and the reason.

@@ -131,6 +131,13 @@ class SoftBodySystem {
   /// another world.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
+  /// Joins two soft bodies where they meet: a spring from each point of `a` to the nearest point of `b`
+  /// within `distance` (m), at the present distances unless the settings have a rest length. With
+  /// SpringSettings::breakForce the seam can tear. Returns the springs. Errors, with nothing added: those of
+  /// addSpring(), a distance that is not above 0, bodies of other systems, twice the same body, no points
+  /// within the distance.
+  Result<std::vector<SpringConstraint*>> weld(SoftBody* a, SoftBody* b, double distance,
+                                              const SpringSettings& settings = {});
   /// Sets new settings of a spring; without a rest length it keeps the current one. Errors: invalid settings,
   /// a spring that does not, or no longer, belong to this system.
   Result<void> changeSpring(SpringConstraint* spring, const SpringSettings& settings);

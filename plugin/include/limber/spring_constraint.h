@@ -46,6 +46,10 @@ class SpringConstraint {
   /// Returns the force at the end of the last tick, N; above 0 it pulls the ends together.
   double force() const { return force_; }
 
+  /// Returns whether it has broken (SpringSettings::breakForce). It then has no force, but exists until it is
+  /// removed; SoftBodySystem::changeSpring() mends it.
+  bool broken() const { return broken_; }
+
  private:
   friend class SoftBodySystem;
   SpringConstraint(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings)
@@ -54,6 +58,7 @@ class SpringConstraint {
   SpringEnd a_, b_;
   SpringSettings settings_;
   double force_ = 0.0;
+  bool broken_ = false;
   std::shared_ptr<const void> life_;  // expires with the spring; nullptr until there is a handle
 };
 

@@ -140,7 +140,9 @@ bool usable(const SpringEnd& end) {
 
 bool usable(const Anchor& anchor) { return anchor.body->isInWorld(); }
 
-bool usable(const SpringConstraint& spring) { return usable(spring.endA()) && usable(spring.endB()); }
+bool usable(const SpringConstraint& spring) {
+  return !spring.broken() && usable(spring.endA()) && usable(spring.endB());
+}
 
 /// Returns 0 if the link is not usable, otherwise 1 plus a bit for each end that is static.
 unsigned char stateOf(const Anchor& anchor) {

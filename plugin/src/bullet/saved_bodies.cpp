@@ -47,6 +47,7 @@ void transferSpring(Stream& stream, Settings& s) {
   if constexpr (!std::is_const_v<Settings>) s.restLength = restLength;
   stream.value("stiffness", s.stiffness);
   stream.value("damping", s.damping);
+  stream.value("breakForce", s.breakForce);
   stream.value("action", s.action);
 }
 
@@ -55,6 +56,7 @@ struct SystemState {
   double time = 0.0;  ///< s, of wind and fields
   std::vector<Bytes> bodies;
   std::vector<SpringSettings> springs;
+  std::vector<std::uint8_t> broken;  ///< #springs
 };
 
 template <class Stream, class State>
@@ -64,6 +66,7 @@ void transferSystem(Stream& stream, State& state) {
   for (auto& body : state.bodies) stream.array("bytes of a body", body);
   stream.resize("springs", state.springs, 3 * sizeof(double));
   for (auto& spring : state.springs) transferSpring(stream, spring);
+  stream.array("broken springs", state.broken);
 }
 
 /// Returns why a state does not suit a system, or an empty string.
@@ -79,7 +82,10 @@ Bytes SoftBodySystem::saveState() {
   SystemState state;
   state.time = impl_->surroundings.time;
   for (const auto& body : impl_->bodies) state.bodies.push_back(saveStateOf(*body->data_));
-  for (const auto& spring : impl_->springs) state.springs.push_back(spring->settings());
+  for (const auto& spring : impl_->springs) {
+    state.springs.push_back(spring->settings());
+    state.broken.push_back(spring->broken());
+  }
   return sealedBytes(kSystemFormat,
                      [&](ByteWriter& writer) { transferSystem(writer, std::as_const(state)); });
 }
@@ -91,6 +97,7 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
     return Error{std::move(reason)};
   std::string reason = checkCount("bodies", state.bodies.size(), impl_->bodies.size());
   if (reason.empty()) reason = checkCount("springs", state.springs.size(), impl_->springs.size());
+  if (reason.empty()) reason = checkCount("broken springs", state.broken.size(), impl_->springs.size());
   for (std::size_t i = 0; i < state.springs.size() && reason.empty(); ++i)
     if (Result<void> valid = validate(state.springs[i]); !valid)
       reason = "spring " + std::to_string(i) + ": " + valid.error();
@@ -104,7 +111,10 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
     if (!restored) return Error{"body " + std::to_string(i) + ": " + restored.error()};
   }
   impl_->surroundings.time = state.time;
-  for (std::size_t i = 0; i < state.springs.size(); ++i) impl_->springs[i]->settings_ = state.springs[i];
+  for (std::size_t i = 0; i < state.springs.size(); ++i) {
+    impl_->springs[i]->settings_ = state.springs[i];
+    impl_->springs[i]->broken_ = state.broken[i] != 0;
+  }
   impl_->step->groupsStale = true;
   return {};
 }

@@ -240,6 +240,7 @@ Result<void> SoftBodySystem::changeSpring(SpringConstraint* spring, const Spring
   const double restLength = settings.restLength.value_or(*spring->settings_.restLength);
   spring->settings_ = settings;
   spring->settings_.restLength = restLength;
+  spring->broken_ = false;
   impl_->step->groupsStale = true;
   return {};
 }

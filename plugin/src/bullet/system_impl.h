@@ -104,6 +104,7 @@ struct SoftBodySystem::Impl::WorldStep {
   void step(btScalar tick);
   void write(btScalar tick);
   void updateLiving();
+  static void takeForce(SpringConstraint& spring, double force);
   /// Restores the manifolds, motors and springs that were hidden from Bullet's solver in a tick.
   void restoreBulletState();
 

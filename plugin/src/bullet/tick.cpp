@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -243,6 +244,12 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   write(tick);
 }
 
+void SoftBodySystem::Impl::WorldStep::takeForce(SpringConstraint& spring, double force) {
+  const double limit = spring.settings_.breakForce;
+  spring.broken_ = limit > 0.0 && std::abs(force) > limit;
+  spring.force_ = spring.broken_ ? 0.0 : force;
+}
+
 void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
   restoreBreakingThresholds(*world->getDispatcher());
   enableDrives(*world, disabledDrives);
@@ -258,7 +265,7 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   for (LinkedGroup* group : awake) {
     if (group->hasWorldPoints) readGroupFromBullet(*group, tick);
     for (std::size_t i = 0; i < group->springs.size(); ++i)
-      group->springs[i]->force_ = group->step.links.springs[i].force;
+      takeForce(*group->springs[i], group->step.links.springs[i].force);
   }
   for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);
   reportJoints(*world, pairs, tick);

@@ -143,6 +143,7 @@ Result<void> validate(const SpringSettings& s) {
       {"restLength", s.restLength.value_or(0.0), 0, 1e6, "from 0 to 1e6"},
       {"stiffness", s.stiffness, 0, 1e12, "from 0 to 1e12"},
       {"damping", s.damping, 0, 1e12, "from 0 to 1e12"},
+      {"breakForce", s.breakForce, 0, 1e18, "from 0 to 1e18"},
       {"action", static_cast<double>(s.action), 0, double(SpringAction::CompressionOnly),
        "one of SpringAction's"},
   };
