@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Contacts that the user's filter changes or rejects before they act.
+#include "support/allocation_counter.h"
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -162,6 +163,67 @@ TEST(ContactFilter, softBodiesPassThroughEachOtherAndThemselvesIfTheFilterSaysSo
   }
 }
 
+TEST(ContactFilter, massFactorsSayWhichSideGivesWay) {
+  for (const double factor : {1.0, 1e6, 1e-6}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    system.setContactFilter([&](ContactCandidate& c) {
+      c.massFactor = factor > 1 ? factor : 1;
+      c.otherMassFactor = factor < 1 ? 1 / factor : 1;
+      c.friction = 0;
+    });
+    btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(1.2, 0, 0));
+    box->setLinearVelocity(vec(-1, 0, 0));
+    SoftBody* cube = addFilteredCube(system, -0.5 - kRadius);
+    cube->setVelocity(vec(1, 0, 0));
+    bullet.simulate(1.0);
+    const double theirs = double(box->getLinearVelocity().x()), ours = speedOf(*cube);
+    SCOPED_TRACE(factor);
+    if (factor == 1.0) {
+      EXPECT_NEAR(theirs + ours, 0.0, 1e-3) << "momentum is conserved";
+    } else if (factor > 1.0) {
+      EXPECT_GE(theirs, ours - 0.05) << "the box gives way";
+      EXPECT_GT(ours, 0.9);
+    } else {
+      EXPECT_LE(ours, theirs + 0.05) << "the cube gives way";
+      EXPECT_NEAR(theirs, -1.0, 0.05);
+    }
+  }
+}
+
+TEST(ContactFilter, aSoftBodyCanGiveWayToAnother) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* left = addFilteredCube(system, 0.0);
+  SoftBody* right = addFilteredCube(system, 0.0, 1.2);
+  system.setContactFilter(
+      [&](ContactCandidate& c) { (c.body == right ? c.massFactor : c.otherMassFactor) = 1e6; });
+  left->setVelocity(vec(2, 0, 0));
+  bullet.simulate(0.5);
+  EXPECT_NEAR(speedOf(*right), 0.0, 0.01);
+  EXPECT_LT(speedOf(*left), 0.1);
+}
+
+// --- fast bodies -------------------------------------------------------------------------------------------
+
+TEST(ContactFilter, seesContactsThatAreFoundWithinTheTick) {
+  for (const ContactResponse response : {ContactResponse::Act, ContactResponse::Ignore}) {
+    BulletWorld bullet(0.0);
+    btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 0.3, vec(0.5, 3, 0.5));
+    ball->setLinearVelocity(vec(0, -60, 0));
+    SoftBodySystem system(*bullet.world);
+    system.setContactFilter([&](ContactCandidate& c) { c.response = response; });
+    SoftBody* cube = addFilteredCube(system, -0.9);
+    bullet.simulate(0.2);
+    if (response == ContactResponse::Act) {
+      EXPECT_GT(double(ball->getLinearVelocity().y()), -55.0) << "the cube brakes the ball";
+    } else {
+      EXPECT_NEAR(double(ball->getLinearVelocity().y()), -60.0, 1e-3);
+      EXPECT_NEAR(cube->linearMomentum().norm(), 0.0, 1e-3);
+    }
+  }
+}
+
 // --- one side ----------------------------------------------------------------------------------------------
 
 TEST(ContactFilter, aPlatformHoldsFromAboveOnly) {
@@ -284,6 +346,25 @@ TEST(ContactFilter, bulletsCombinedFrictionIsThatOfThePair) {
     EXPECT_NEAR(speedOf(*cube), slippery ? 1.0 : 0.0, 0.05);
   }
   gCalculateCombinedFrictionCallback = before;
+}
+
+// --- cost --------------------------------------------------------------------------------------------------
+
+TEST(ContactFilter, aTickAllocatesNothing) {
+  BulletWorld bullet;
+  addGround(bullet, Ground::Triangles);
+  bullet.addBox(vec(0.3, 0.3, 0.3), 1.0, vec(0, 1.4, 0));
+  SoftBodySystem system(*bullet.world);
+  system.setContactFilter([](ContactCandidate& c) {
+    if (c.otherTriangle >= 0) c.facing = vec(0, 1, 0);
+    c.massFactor = 2.0;
+    if (c.otherTriangle < 0 && c.side.points[0] == 7) c.response = ContactResponse::Report;
+  });
+  addFilteredCube(system, 0.0);
+  bullet.simulate(2.0);
+  const test::AllocationCounter counter;
+  bullet.simulate(0.5);
+  EXPECT_EQ(counter.allocations(), 0u);
 }
 
 // --- determinism -------------------------------------------------------------------------------------------

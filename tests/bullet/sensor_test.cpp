@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Objects and soft bodies without contact response: they are reported and push nothing. Bullet's own soft
 // bodies in the same world.
+#include "support/allocation_counter.h"
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
@@ -107,6 +108,22 @@ TEST(SurfaceSensors, aSoftBodyCanBeASensor) {
   EXPECT_TRUE(touchesFloor);
   EXPECT_LT(cube->centerOfMass().y(), -0.5) << "it falls through the floor";
   EXPECT_NEAR(test::lowest(*solid), kRadius, 0.05) << "which holds the other one";
+}
+
+TEST(SurfaceSensors, aTickAllocatesNothing) {
+  BulletWorld bullet;
+  bullet.addPlaneFloor();
+  btRigidBody* zone = bullet.addBox(vec(0.4, 0.4, 0.4), 0, vec(0.5, 0.5, 0.3));
+  zone->setCollisionFlags(zone->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addSensedCube(system, 0.5 + kRadius);
+  cube->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
+  bullet.simulate(1.0);
+  const test::AllocationCounter counter;
+  bullet.simulate(0.5);
+  EXPECT_EQ(counter.allocations(), 0u);
+  const auto isZone = [&](const SoftContact& c) { return c.other == zone; };
+  EXPECT_TRUE(std::any_of(cube->contacts().begin(), cube->contacts().end(), isZone));
 }
 
 // --- Bullet's soft bodies ----------------------------------------------------------------------------------

@@ -41,6 +41,10 @@ struct ContactCandidate {
   /// m/s, velocity of the other's surface in addition to its motion: conveyor belts. Only the part across the
   /// normal acts. Default 0.
   btVector3 surfaceVelocity = btVector3(0, 0, 0);
+  /// Factors of the masses of `body` and `other` in this contact, 1e-6 to 1e6: a side with a larger factor is
+  /// pushed less. They do not matter on static and kinematic objects. Momentum is conserved only if they are
+  /// equal. Default 1.
+  double massFactor = 1.0, otherMassFactor = 1.0;
   /// One-sided contacts: the contact acts only while its normal has a component of 0 or more along this
   /// direction. On curved surfaces at rest the normal turns within the tick, and this follows it. Default 0:
   /// all normals.
@@ -51,6 +55,8 @@ struct ContactCandidate {
 /// tick may bring, also at a distance, and within the tick for those that are found later. The same pair of
 /// features is asked for again in every tick. A contact between soft bodies is asked for once, a plane
 /// contact of each point once per surface nearby.
+/// It is not asked for objects without contact response, which are only reported anyway. Contacts that it
+/// reports and does not let act are those at the start of a tick.
 ///
 ///     soft.setContactFilter([](limber::ContactCandidate& c) {
 ///       if (c.other == belt) c.surfaceVelocity = btVector3(1, 0, 0);
@@ -59,7 +65,8 @@ struct ContactCandidate {
 /// Thread rule: at the start of a tick, the thread that steps the world. Within a tick with setParallelFor(),
 /// any thread, several at a time. It must not throw, change the world or its bodies, or depend on anything
 /// but the candidate and data that stays the same during the tick. It may read settings(), userPointer(),
-/// userIndex() and name() of soft bodies, and everything that Bullet's objects have.
+/// userIndex() and name() of soft bodies, and everything that Bullet's objects have; kinematic objects are at
+/// their poses at the start of the tick.
 using ContactFilter = std::function<void(ContactCandidate&)>;
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -198,6 +198,8 @@ Vector3d placeOf(const Points& positions, const ContactPoint& p) {
   return x;
 }
 
+double validMassFactor(double factor) { return factor > 0.0 ? std::clamp(factor, 1e-6, 1e6) : 1.0; }
+
 ContactResponse filterPair(Contact& contact, const ContactSource& source, const Points& positions) {
   const SoftBodyData& body = *source.body;
   ContactCandidate answer;
@@ -212,6 +214,8 @@ ContactResponse filterPair(Contact& contact, const ContactSource& source, const 
   ask(body, source.other, answer);
   contact.friction = answer.friction;
   contact.restitution = answer.restitution;
+  contact.a.massFactor = validMassFactor(answer.massFactor);
+  contact.b.massFactor = validMassFactor(answer.otherMassFactor);
   contact.b.velocity += acrossOf(answer.surfaceVelocity, contact.normal);
   const bool acts = answer.response == ContactResponse::Act;
   return acts && !isFacing(contact.normal, answer.facing) ? ContactResponse::Ignore : answer.response;

@@ -132,7 +132,8 @@ void alignRigid(IslandConstraints& rows, const ContactConstraint& row, const Con
   for (int k = 0; k < 3; ++k) {
     const Vector3d speeds = sign * arm.cross(ConstMap(row.axes[k]));
     Eigen::Map<Vector3d>(rotation.speeds[k]) = speeds;
-    Eigen::Map<Vector3d>(rotation.response[k]) = rotation.body->inverseInertia * speeds;
+    Eigen::Map<Vector3d>(rotation.response[k]) =
+        rotation.inverseFactor * (rotation.body->inverseInertia * speeds);
   }
 }
 
@@ -453,7 +454,7 @@ bool startSolve(IslandConstraints& rows, LinkedBodies& bodies) {
   for (ConstraintRotation& rotation : rows.rotations)
     for (int k = 0; k < 3; ++k)
       Eigen::Map<Vector3d>(rotation.response[k]) =
-          rotation.body->inverseInertia * ConstMap(rotation.speeds[k]);
+          rotation.inverseFactor * (rotation.body->inverseInertia * ConstMap(rotation.speeds[k]));
   updateAnchorMasses(bodies);
   return !rows.empty() || !bodies.anchors.empty();
 }

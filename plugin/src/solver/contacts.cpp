@@ -30,8 +30,8 @@ void addPoint(IslandConstraints& rows, double* velocity, const Vector3d& inverse
 }
 
 void addRotation(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid,
-                 const Vector3d& arm) {
-  ConstraintRotation rotation{&rigid, {}, {}};
+                 const Vector3d& arm, double massFactor) {
+  ConstraintRotation rotation{&rigid, 1.0 / massFactor, {}, {}};
   for (int k = 0; k < 3; ++k) Map(rotation.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
   rows.rotations.push_back(rotation);
 }
@@ -58,6 +58,20 @@ const double* inverseMassOf(const IslandConstraints& rows, const PointView& view
   return anchored ? kNoInverseMass : view.inverseMassOf(point).data();
 }
 
+/// Makes room for all scaled masses: rows point to them.
+void reserveScaledMasses(IslandConstraints& rows) {
+  std::size_t count = 0;
+  for (const Contact& c : rows.contacts)
+    for (const ContactPoint* side : {&c.a, &c.b}) count += side->massFactor != 1.0 ? side->count : 0;
+  rows.scaledMasses.clear();
+  rows.scaledMasses.reserve(count);
+}
+
+/// Returns an inverse mass for a mass that is larger by a factor.
+const double* scaledMass(IslandConstraints& rows, const double* inverseMass, double massFactor) {
+  return rows.scaledMasses.emplace_back(ConstMap(inverseMass) / massFactor).data();
+}
+
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const std::vector<PointView>& views, const ContactPoint& side, double sign) {
@@ -68,14 +82,15 @@ void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodi
     const PointView& view = views[side.body];
     for (std::uint32_t i = 0; i < side.count; ++i) {
       const double* inverseMass = inverseMassOf(rows, view, side.body, side.point[i]);
+      if (side.massFactor != 1.0) inverseMass = scaledMass(rows, inverseMass, side.massFactor);
       addPoint(rows, view.velocityOf(side.point[i]).data(), ConstMap(inverseMass), sign * side.weight[i]);
       rows.momentArms.back().position = view.positionOf(side.point[i]).data();
       rows.momentArms.back().inverseMass = inverseMass;
     }
   } else {
     RigidState& rigid = bodies.rigids[side.body];
-    addPoint(rows, rigid.velocity.data(), rigid.inverseMass, sign);
-    addRotation(rows, row, rigid, sign * side.arm);
+    addPoint(rows, rigid.velocity.data(), rigid.inverseMass / side.massFactor, sign);
+    addRotation(rows, row, rigid, sign * side.arm, side.massFactor);
   }
 }
 
@@ -108,7 +123,8 @@ Matrix3d mobilityOf(const IslandConstraints& rows, const ContactConstraint& row,
                     const LinkedBodies& bodies) {
   Matrix3d m = Matrix3d::Zero();
   for (const ContactPoint* side : {&c.a, &c.b})
-    if (side->kind == ContactPoint::Kind::Rigid) m += bodies.rigids[side->body].mobilityAt(side->arm);
+    if (side->kind == ContactPoint::Kind::Rigid)
+      m += bodies.rigids[side->body].mobilityAt(side->arm) / side->massFactor;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i)
     if (const double* inverseMass = rows.momentArms[i].inverseMass)
       m.diagonal() += rows.points[i].share * rows.points[i].share * ConstMap(inverseMass);
@@ -310,6 +326,7 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std
   rows.rows.resize(rows.contacts.size());
   rows.active.reserve(rows.contacts.capacity());
   findAnchored(rows, bodies);
+  reserveScaledMasses(rows);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
     prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
   for (ContactConstraint& row : rows.rows) row.lastSpeed = speedAlong(rows, row);

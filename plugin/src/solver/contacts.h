@@ -35,6 +35,7 @@ struct ContactPoint {
   std::uint32_t count = 1;                             ///< Soft: number of points, 1 to 3
   std::array<std::uint32_t, 3> point{};                ///< Soft
   std::array<double, 3> weight{1.0};                   ///< Soft, sum 1
+  double massFactor = 1.0;                             ///< of the body's mass and inertia in this contact
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< Rigid: m, from the centre of mass, world axes
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick; of the
                                                        ///< surface, in addition to the body's motion
@@ -100,6 +101,7 @@ struct MomentArm {
 /// An angular velocity on which a contact depends and which it changes.
 struct ConstraintRotation {
   RigidState* body;
+  double inverseFactor;   ///< 1 / ContactPoint::massFactor
   double speeds[3][3];    ///< m/s per rad/s: along the normal and both tangents
   double response[3][3];  ///< rad/s per N s along the same axes, at the body's present rotation
 };
@@ -152,7 +154,9 @@ struct IslandConstraints {
   std::vector<ConstraintRotation> rotations;
   std::vector<std::uint32_t> active;  ///< rows in the sweeps of the present stage
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
-      anchored;             ///< body and point, sorted: points attached to immovable bodies
+      anchored;  ///< body and point, sorted: points attached to immovable bodies
+  std::vector<Eigen::Vector3d>
+      scaledMasses;         ///< 1/kg, inverse masses of points in contacts with a massFactor
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps
 };
 
