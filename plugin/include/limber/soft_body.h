@@ -9,6 +9,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -20,6 +21,14 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct SoftBodyData;
 struct SoftContact;
 struct SurfaceHit;
+
+/// A point that was divided where a body tore or was cut.
+struct Tear {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< m
+  std::uint32_t point = 0;                          ///< the divided point
+  std::uint32_t copy = 0;                           ///< the new point at the same place
+  double energy = 0.0;                              ///< J, of the spring that was too long; 0: a cut
+};
 
 /// One soft body in a world. SoftBodySystem creates and owns it; the pointer is valid until destroyBody(),
 /// removeAll(), or the destruction of the system. A handle() tells whether the body still exists.
@@ -151,7 +160,7 @@ class SoftBody {
   Result<void> setVelocity(const btVector3& linear, const btVector3& angular = btVector3(0, 0, 0));
   /// Brings the body back to its rest shape: as it was created, with the place and velocities of its
   /// settings, or at rest at a transform(). Springs are as at first, neither yielded nor broken. Pins stay
-  /// pins.
+  /// pins, tears and cuts stay.
   Result<void> reset();
   Result<void> reset(const btTransform& transform);
 
@@ -170,6 +179,28 @@ class SoftBody {
   /// Pushes all points within `radius` (m) away from `center`, as an explosion does: a point at the distance
   /// d gets the velocity speed (1 - d / radius) in addition; towards the centre if speed (m/s) is negative.
   Result<void> applyBlast(const btVector3& center, btScalar radius, btScalar speed);
+
+  // --- tears and cuts. They give the body a network of its own, so network() and its indices change: points
+  // keep their indices, new ones follow; triangles keep theirs, and filled bodies get more of them; indices
+  // of springs, vertices and skinned points change. Mass, momentum, area and volume stay. A closed body
+  // without tetrahedra is open afterwards: its pressure and volume modulus end.
+
+  /// Cuts the body along the plane through `point` (m) with this normal, at its present shape. The cut
+  /// follows the edges of triangles, the faces of tetrahedra or the points of ropes that are nearest to the
+  /// plane. Returns the number of new points: 0 where the plane does not cross the body, or within a tick, at
+  /// the end of which the cut is then made. A pinned point that is divided stays pinned on both sides, an
+  /// attached one stays attached with point i. Takes about as long as creating a body. Errors, with nothing
+  /// changed: a body that is not alive(); numbers that are not finite; a normal of 0; a point that would get
+  /// too small a mass.
+  Result<std::uint32_t> cut(const btVector3& point, const btVector3& normal);
+  /// Cuts with a blade only where it has passed: from edge[0], edge[1] to edge[3], edge[2] (m). The corners
+  /// are in the order around the region, which is nearly flat. A cut that ends within the body on all sides
+  /// opens nothing if it crosses a single edge, so the sweeps of a slow blade should begin where the blade
+  /// entered the body. Errors as above; an area of 0.
+  Result<std::uint32_t> cut(const std::array<btVector3, 4>& edge);
+  /// Returns where the body tore or was cut in the last tick and since (ElasticLimit::tear). Valid until the
+  /// next tick or cut.
+  const std::vector<Tear>& tears() const;
 
   // --- the state of the body
 

@@ -54,6 +54,10 @@ struct ElasticLimit {
   double yieldStrain = 0.0;     ///< beyond it the rest length changes permanently (perfect plasticity)
   double yieldMaximum = 0.5;    ///< largest permanent strain, 0 to 0.999; there the spring is elastic again
   double breakStrain = 0.0;     ///< a spring longer than at rest is removed permanently beyond this strain
+  bool tear = false;            ///< instead, the body tears there: at one end of the spring the point and the
+                      ///< triangles, tetrahedra or segments around it part (SoftBody::tears()). The spring
+                      ///< goes with one side. Springs that no triangle, tetrahedron or segment has, such as
+                      ///< those against bending, are removed. A piece of a single one does not tear
 };
 
 #if defined(__GNUC__) && !defined(__clang__)

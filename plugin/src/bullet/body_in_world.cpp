@@ -117,6 +117,7 @@ std::vector<double> modelKey(const SpringNetwork& network, const SoftBodySetting
                              limit.yieldStrain,
                              limit.yieldMaximum,
                              limit.breakStrain,
+                             limit.tear ? 1.0 : 0.0,
                              static_cast<double>(s.collision)};
   for (const GroupSettings& g : s.groups) {
     const auto same = [&](const NamedGroup& group) { return group.name == g.name; };

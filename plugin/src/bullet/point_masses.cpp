@@ -174,6 +174,84 @@ void makePointMasses(SoftBodyData& body) {
   }
 }
 
+namespace {
+
+/// Sets the mass of a point that was divided. A mass that the user has set is shared in the same proportion.
+void shareMass(const SoftBodyData& body, PointMass& point, std::uint32_t i, btScalar present, double before) {
+  const auto own = settingsMassOf(body, i);
+  const auto was = static_cast<btScalar>(before);
+  const btScalar shared = static_cast<btScalar>(double(present) * double(own) / before);
+  const btScalar mass = present == was ? own : shared;
+  if (point.isKinematicObject())
+    point.massBeforePin = mass;
+  else if (mass > btScalar(0))
+    point.setMassProps(mass, inertiaOf(body, mass));
+}
+
+/// Returns the mass of a point, of a pinned one that of before, exactly that of the settings if it is.
+btScalar presentMass(const PointMass& point, double ofSettings) {
+  const auto own = static_cast<btScalar>(ofSettings);
+  if (point.isKinematicObject()) return point.massBeforePin;
+  return point.getInvMass() == btScalar(1) / own ? own : point.getMass();
+}
+
+/// Makes the body of a new point like that of the point which it comes from.
+PointMass* copyOf(SoftBodyData& body, std::uint32_t i, const PointMass& from) {
+  PointMass* point = makeBody(body, i);
+  point->setFriction(from.getFriction());
+  point->setRestitution(from.getRestitution());
+  point->setDamping(from.getLinearDamping(), from.getAngularDamping());
+  point->setLinearFactor(from.getLinearFactor());
+  point->setFlags(from.getFlags());
+  point->setSleepingThresholds(from.getLinearSleepingThreshold(), from.getAngularSleepingThreshold());
+  point->setUserPointer(from.getUserPointer());
+  point->setUserIndex(from.getUserIndex());
+  if (from.isKinematicObject()) {
+    point->setMassProps(btScalar(0), btVector3(0, 0, 0));
+    point->setCollisionFlags((point->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
+                             btCollisionObject::CF_KINEMATIC_OBJECT);
+    point->setWorldTransform(from.getWorldTransform());
+  }
+  return point;
+}
+
+void addCopyToWorld(const SoftBodyData& body, PointMass& point, const PointMass& from) {
+  const btBroadphaseProxy* proxy = from.getBroadphaseHandle();
+  if (from.isInWorld() && proxy && body.world)
+    body.world->addRigidBody(&point, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask);
+  point.setGravity(from.getGravity());
+  point.forceActivationState(from.getActivationState());
+}
+
+}  // namespace
+
+void dividePointMasses(SoftBodyData& body, const std::vector<std::uint32_t>& pointOf,
+                       const std::vector<double>& massBefore) {
+  PointMasses& m = body.masses;
+  for (std::size_t i = m.held.size(); i < pointOf.size(); ++i) m.held.push_back(m.held[pointOf[i]]);
+  if (m.bodies.empty()) return;
+  for (std::uint32_t i = static_cast<std::uint32_t>(m.bodies.size()); i < pointOf.size(); ++i) {
+    PointMass& from = *m.bodies[pointOf[i]];
+    const double before = massBefore[pointOf[i]];
+    PointMass* point = copyOf(body, i, from);
+    m.bodies.push_back(point);
+    shareMass(body, *point, i, presentMass(from, before), before);
+    addCopyToWorld(body, *point, from);
+    point->applyCentralForce(from.getTotalForce() * static_cast<btScalar>(body.model->masses[i] / before));
+    for (auto* array : {&m.leftPosition, &m.leftVelocity, &m.expectedVelocity})
+      array->push_back(btVector3((*array)[pointOf[i]]));
+  }
+  for (std::uint32_t i = 0; i < massBefore.size(); ++i) {
+    if (body.model->masses[i] == massBefore[i]) continue;
+    PointMass& point = *m.bodies[i];
+    const btVector3 force = point.getTotalForce(), gravity = point.getGravity();
+    shareMass(body, point, i, presentMass(point, massBefore[i]), massBefore[i]);
+    point.setGravity(gravity);
+    point.clearForces();
+    point.applyCentralForce(force * static_cast<btScalar>(body.model->masses[i] / massBefore[i]));
+  }
+}
+
 PointMass& probeAt(SoftBodyData& body, std::uint32_t i) {
   std::unique_ptr<PointMass>& probe = body.masses.probe;
   if (!probe) probe.reset(makeBody(body, i));

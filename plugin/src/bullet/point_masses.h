@@ -94,6 +94,11 @@ void initializePointMasses(SoftBodyData& body);
 /// Makes the bodies with the state's positions and velocities. They are not yet in a world.
 void makePointMasses(SoftBodyData& body);
 
+/// Adds the bodies of points that were divided, if there are bodies, and shares masses and forces. The model
+/// is the new one. `massBefore` (kg) are the masses of the old one.
+void dividePointMasses(SoftBodyData& body, const std::vector<std::uint32_t>& pointOf,
+                       const std::vector<double>& massBefore);
+
 /// Returns the probe at the present position of point i.
 PointMass& probeAt(SoftBodyData& body, std::uint32_t i);
 

@@ -79,6 +79,7 @@ void transferLimit(Stream& stream, Settings& s) {
   stream.value("yieldStrain", s.yieldStrain);
   stream.value("yieldMaximum", s.yieldMaximum);
   stream.value("breakStrain", s.breakStrain);
+  transferFlag(stream, "tear", s.tear);
 }
 
 template <class Stream, class Settings>

@@ -191,6 +191,12 @@ struct EnergyLimit {
   double atEnd = 0.0;        ///< J, at the end of the last tick, if on
 };
 
+/// The region of a cut.
+struct Cut {
+  Eigen::Vector3d point, normal;         ///< m, unit
+  std::vector<Eigen::Vector3d> corners;  ///< m, of a blade's region; empty: the whole plane
+};
+
 /// The data of a SoftBody.
 struct SoftBodyData {
   std::shared_ptr<const BodyModel> model;
@@ -203,6 +209,8 @@ struct SoftBodyData {
   SharedModels* models = nullptr;   ///< of its system
   bool* groupsStale = nullptr;      ///< of the world's step: linked groups must be made again
   MultiBodyLinks* links = nullptr;  ///< of the world
+  const bool* inTick =
+      nullptr;  ///< of the world's step: bodies are being stepped; nullptr before the first tick
   const void* system = nullptr;     ///< identifies the shared step of all systems of the world
   ShapeCache* shapes = nullptr;     ///< of the world
   std::mutex* worldLock = nullptr;  ///< of the world: bodies may be read, searched and stepped at the same
@@ -241,6 +249,8 @@ struct SoftBodyData {
   std::vector<btRigidBody*> freePartners;          ///< near in this tick, neither static nor kinematic
   std::vector<SoftBodyData*> softPartners;         ///< near in this tick, with surfaces
   ContactReport report;
+  std::vector<Tear> tears;                    ///< of the last tick and since
+  std::vector<Cut> cuts;                      ///< asked for within a tick
   std::vector<TouchingPair> touching;         ///< for a listener, sorted by id
   std::vector<ReportedManifold*> shown;       ///< in Bullet's dispatcher
   std::vector<StoredImpulse> storedImpulses;  ///< of contacts with free bodies in the last tick

@@ -32,10 +32,16 @@ struct SurfaceShape::Query {
 
 SurfaceShape::SurfaceShape(const SpringNetwork& network, bool mirrored, const Points& positions,
                            btScalar radius)
-    : network_(&network), mirrored_(mirrored), positions_(&positions) {
+    : mirrored_(mirrored), positions_(&positions) {
   // not CUSTOM_CONCAVE_SHAPE_TYPE: Bullet casts shapes of that type to btSdfCollisionShape
   m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
   setMargin(radius);
+  setNetwork(network);
+}
+
+void SurfaceShape::setNetwork(const SpringNetwork& network) {
+  network_ = &network;
+  springs_.clear();
   if (!network.surface.empty()) return;
   for (std::uint32_t s = 0; s < network.springs.size(); ++s)
     if (network.springs[s].kind == SpringKind::Structural) springs_.push_back(s);

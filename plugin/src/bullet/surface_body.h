@@ -76,6 +76,9 @@ class SurfaceShape final : public btConcaveShape {
   const btVector3& low() const { return low_; }
   const btVector3& high() const { return high_; }
 
+  /// Sets the network of a body that has torn.
+  void setNetwork(const SpringNetwork& network);
+
   /// Sets the object's pose for which the points are at `positions`. When the user has moved the object,
   /// queries already see the surface at its new pose, and the points are moved later.
   void setPose(const btTransform& pose) { pose_ = pose; }
@@ -96,7 +99,7 @@ class SurfaceShape final : public btConcaveShape {
   btVector3 local(std::uint32_t point) const;
   void reportStrips(const Query& query) const;
 
-  const SpringNetwork* network_;
+  const SpringNetwork* network_ = nullptr;
   bool mirrored_;
   const Points* positions_;
   std::vector<std::uint32_t> springs_;  ///< the springs that are reported as strips

@@ -105,6 +105,8 @@ struct SoftBodySystem::Impl::WorldStep {
   void write(btScalar tick);
   void updateLiving();
   static void takeForce(SpringConstraint& spring, double force);
+  /// Tears and cuts bodies.
+  void divideBodies();
   /// Restores the manifolds, motors and springs that were hidden from Bullet's solver in a tick.
   void restoreBulletState();
 
@@ -132,6 +134,7 @@ struct SoftBodySystem::Impl::WorldStep {
   std::vector<SpringConstraint*> springs;  // of all systems
   std::vector<unsigned char> usableLinks;  // see updateUsableLinks()
   bool groupsStale = true;
+  bool inTick = false;                       // from the time when bodies are read to the end of the tick
   bool anyRestored = false;                  // a body was restored in this tick
   std::vector<unsigned char> bulletIslands;  // scratch of updateSleep
   TickProfile profile;

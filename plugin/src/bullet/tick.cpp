@@ -10,6 +10,7 @@
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
+#include "bullet/tearing.h"
 #include "bullet/tick_contacts.h"
 
 #include <algorithm>
@@ -89,11 +90,22 @@ void SoftBodySystem::Impl::WorldStep::updateLiving() {
   for (Impl* system : systems) {
     for (auto& body : system->bodies) {
       if (!body->data_->alive) continue;
+      body->data_->inTick = &inTick;
       body->data_->index = static_cast<std::uint32_t>(living.size());
       living.push_back(body->data_.get());
     }
     for (auto& spring : system->springs) springs.push_back(spring.get());
   }
+}
+
+void SoftBodySystem::Impl::WorldStep::divideBodies() {
+  for (Impl* system : systems)
+    for (auto& body : system->bodies) {
+      if (!body->data_->alive) continue;
+      body->data_->tears.clear();
+      makePendingCuts(*body->data_);
+      tearBody(*body->data_);
+    }
 }
 
 void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
@@ -230,6 +242,8 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   enableDrives(*world, disabledDrives);
   // a tick of length zero moves nothing and would cause a division by zero
   if (!(tick > btScalar(0))) return;
+  divideBodies();
+  inTick = true;
   findAwake(tick);
   {
     const KinematicMotions::Rewound rewound(kinematic);
@@ -257,6 +271,7 @@ void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
 
 void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   restoreBulletState();
+  inTick = false;
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.readBackMs);
   parallel.forEach(awake.size(), [&](std::size_t g) {

@@ -68,7 +68,7 @@ SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::V
   return {FeatureKind::OnEdge, edge, {a, b, b}, {weights[0], weights[1], 0.0}};
 }
 
-/// Returns ContactCandidate::vertex for vertex `v` of a, or of b.
+/// Returns FeatureCandidate::vertex for vertex `v` of a, or of b.
 std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) {
   return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
 }

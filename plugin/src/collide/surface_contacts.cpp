@@ -89,30 +89,30 @@ constexpr double kSameDirection = 0.995;
 /// Fraction of the feature size within which contact points are the same.
 constexpr double kSamePointTolerance = 1e-3;
 
-using Candidates = std::vector<ContactCandidate>;
+using Candidates = std::vector<FeatureCandidate>;
 
-bool haveSameDirection(const ContactCandidate& x, const ContactCandidate& y) {
+bool haveSameDirection(const FeatureCandidate& x, const FeatureCandidate& y) {
   return x.contact.normal.dot(y.contact.normal) > kSameDirection;
 }
 
 template <class Order>
 void sortBy(Candidates& candidates, Order&& order) {
   std::sort(candidates.begin(), candidates.end(),
-            [&](const ContactCandidate& x, const ContactCandidate& y) { return order(x) < order(y); });
+            [&](const FeatureCandidate& x, const FeatureCandidate& y) { return order(x) < order(y); });
 }
 
 void eraseDropped(Candidates& candidates) {
-  const auto dropped = [](const ContactCandidate& x) { return x.dropped; };
+  const auto dropped = [](const FeatureCandidate& x) { return x.dropped; };
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), dropped), candidates.end());
 }
 
 /// Drops contacts of two vertices if one of the vertices has another contact in the same direction.
 void removeDuplicateVertexPairs(Candidates& candidates) {
-  for (ContactCandidate& x : candidates) {
+  for (FeatureCandidate& x : candidates) {
     if (x.vertex != kNoVertex || x.rank != kVertexVertex) continue;
     const std::uint64_t a = std::uint64_t{x.contact.a.feature} * 2,
                         b = std::uint64_t{x.contact.b.feature} * 2 + 1;
-    x.dropped = std::any_of(candidates.begin(), candidates.end(), [&](const ContactCandidate& y) {
+    x.dropped = std::any_of(candidates.begin(), candidates.end(), [&](const FeatureCandidate& y) {
       return (y.vertex == a || y.vertex == b) && !y.dropped && haveSameDirection(x, y);
     });
   }
@@ -120,7 +120,7 @@ void removeDuplicateVertexPairs(Candidates& candidates) {
 
 /// Keeps the earliest contact of each vertex and direction.
 void removeDuplicateDirections(Candidates& candidates) {
-  sortBy(candidates, [](const ContactCandidate& x) {
+  sortBy(candidates, [](const FeatureCandidate& x) {
     return std::make_tuple(x.vertex, x.contact.time, x.contact.gap, x.contact.key);
   });
   for (std::size_t first = 0, i = 0; i < candidates.size(); ++i) {
@@ -133,19 +133,19 @@ void removeDuplicateDirections(Candidates& candidates) {
   eraseDropped(candidates);
 }
 
-bool haveSamePoint(const ContactCandidate& x, const ContactCandidate& y) {
+bool haveSamePoint(const FeatureCandidate& x, const FeatureCandidate& y) {
   const double tolerance = kSamePointTolerance * std::min(x.featureSize, y.featureSize);
   return (x.point - y.point).squaredNorm() <= tolerance * tolerance;
 }
 
 /// Keeps one of the contacts with the same point and direction. Sweeps along the x axis.
 void removeDuplicatePoints(Candidates& candidates) {
-  sortBy(candidates, [](const ContactCandidate& x) { return std::make_tuple(x.point.x(), x.contact.key); });
+  sortBy(candidates, [](const FeatureCandidate& x) { return std::make_tuple(x.point.x(), x.contact.key); });
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    ContactCandidate& x = candidates[i];
+    FeatureCandidate& x = candidates[i];
     const double end = x.point.x() + kSamePointTolerance * x.featureSize;
     for (std::size_t j = i + 1; j < candidates.size() && candidates[j].point.x() <= end; ++j) {
-      ContactCandidate& y = candidates[j];
+      FeatureCandidate& y = candidates[j];
       if (x.dropped || y.dropped || !haveSamePoint(x, y) || !haveSameDirection(x, y)) continue;
       (x.contact.key <= y.contact.key ? y : x).dropped = true;
     }
@@ -157,9 +157,9 @@ void removeDuplicatePoints(Candidates& candidates) {
 void removeDuplicates(Candidates& candidates, std::vector<SurfaceContact>& found) {
   removeDuplicateDirections(candidates);
   removeDuplicatePoints(candidates);
-  sortBy(candidates, [](const ContactCandidate& x) { return x.contact.key; });
+  sortBy(candidates, [](const FeatureCandidate& x) { return x.contact.key; });
   found.clear();
-  for (const ContactCandidate& x : candidates) found.push_back(x.contact);
+  for (const FeatureCandidate& x : candidates) found.push_back(x.contact);
 }
 
 // --- the search --------------------------------------------------------------------------------------------

@@ -35,7 +35,7 @@ struct SurfaceContact {
 constexpr std::uint64_t kNoVertex = 0xffffffffffffffffu;
 
 /// A contact before duplicates are removed.
-struct ContactCandidate {
+struct FeatureCandidate {
   SurfaceContact contact;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< m, contact point at the time of impact
   double featureSize = 0.0;                         ///< m
@@ -56,7 +56,7 @@ struct PenetratingVertex {
 /// Scratch of a search. It is reused so that its memory is not allocated again.
 struct ContactSearch {
   LeafPairs waiting, near;  ///< see findNearLeaves()
-  std::vector<ContactCandidate> candidates;
+  std::vector<FeatureCandidate> candidates;
   std::vector<PenetratingVertex> penetrating;
 };
 

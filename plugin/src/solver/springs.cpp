@@ -112,7 +112,9 @@ SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& s
     if (length > 0.0) s.shortest = s.shortest > 0.0 ? std::min(s.shortest, length) : length;
   const ElasticLimit& limit = settings.elasticLimit;
   s.limit = limit;
-  s.limited = limit.stiffenStrain > 0.0 || limit.yieldStrain > 0.0 || limit.breakStrain > 0.0;
+  // a body that tears breaks between ticks
+  if (limit.tear) s.limit.breakStrain = 0.0;
+  s.limited = limit.stiffenStrain > 0.0 || limit.yieldStrain > 0.0 || s.limit.breakStrain > 0.0;
   s.damped = settings.damping > 0.0;
   SpringArrays springs;
   springs.original = SharedConstants<SpringConstants>(std::move(s));
@@ -154,13 +156,12 @@ void separateCoincident(const SpringArrays& springs, PointState& state) {
 
 // --- elastic limits ----------------------------------------------------------------------------------------
 
-namespace {
-
-/// Returns the length (m) to which the strains of spring i's limits refer.
 double limitLength(const SpringArrays& springs, std::size_t i) {
   const std::vector<double>& factor = springs->limitFactor;
   return factor.empty() ? springs.original->restLength[i] : factor[i] * springs.original->restLength[i];
 }
+
+namespace {
 
 bool hasNoStiffness(const SpringConstants& springs, std::size_t i) {
   return springs.extensionStiffness[i] == 0.0 && springs.compressionStiffness[i] == 0.0;

@@ -75,6 +75,9 @@ std::vector<std::uint32_t> orderApart(const SpringNetwork& network);
 /// unfold. Does nothing for springs of rest length 0. The centre of mass and held points do not move.
 void separateCoincident(const SpringArrays& springs, PointState& state);
 
+/// Returns the length (m) to which the strains of spring i's limits refer.
+double limitLength(const SpringArrays& springs, std::size_t i);
+
 /// Takes all stiffness and damping from spring i. The body must have its own constants (`yielded`).
 void breakSpring(SpringArrays& springs, std::size_t i);
 bool isBroken(const SpringArrays& springs, std::size_t i);

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Zlib
+
+// This file decides where bodies tear and what a cut separates.
+
+#include "bullet/tearing.h"
+
+#include "bullet/body_in_world.h"
+#include "bullet/bullet_objects.h"
+
+#include <limber/soft_body.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d placeOf(const SoftBodyData& body, std::uint32_t point) { return body.state.position.col(point); }
+
+/// Separates the body and adds the places to its list. `energy` (J) is that of the springs at divided points.
+Result<std::uint32_t> separate(SoftBodyData& body, const Elements& elements, const SplitRequest& request,
+                               const std::vector<std::pair<std::uint32_t, double>>& energies = {}) {
+  const SplitNetwork split = splitNetwork(*body.model->network, elements, request);
+  if (!split.network) return std::uint32_t{0};
+  const std::uint32_t before = pointCount(body);
+  if (Result<void> taken = takeSplit(body, split); !taken) return Error{taken.error()};
+  for (std::uint32_t i = before; i < pointCount(body); ++i) {
+    Tear tear{placeOf(body, i), split.pointOf[i], i, 0.0};
+    for (const auto& [point, energy] : energies)
+      if (point == tear.point) tear.energy = energy;
+    body.tears.push_back(tear);
+  }
+  return pointCount(body) - before;
+}
+
+// --- tears -------------------------------------------------------------------------------------------------
+
+/// A spring that is longer than it may be.
+struct Overload {
+  std::size_t spring;
+  double ratio;  ///< of its strain to the largest one
+};
+
+/// Maximum number of tears in a tick. The load must find its new way before more points part.
+constexpr std::size_t kMaxTears = 8;
+
+/// Springs with nearly the largest overload tear in the same tick.
+constexpr double kNearlyMost = 0.9;
+
+/// A spring tears the body only if both ends pull it: others pull by this share of its tension in the
+/// opposite direction. Otherwise the load has gone already, and a tear would go on without it.
+constexpr double kOpposed = 0.5;
+
+/// Removes a spring that no element has.
+void removeSpring(SoftBodyData& body, std::size_t spring) {
+  if (!body.springs.yielded) body.springs.yielded = std::make_shared<SpringConstants>(*body.springs.original);
+  breakSpring(body.springs, spring);
+  ++body.springs.revision;
+  *body.groupsStale = true;
+}
+
+class Tearing {
+ public:
+  explicit Tearing(SoftBodyData& body)
+      : body_(body), elements_(elementsOf(*body.model->network)), springsOf_(pointCount(body)) {
+    for (std::uint32_t i = 0; i < body.springs.size(); ++i) {
+      springsOf_[body.springs->a[i]].push_back(i);
+      springsOf_[body.springs->b[i]].push_back(i);
+    }
+    request_.side.assign(elements_.all.size(), 0);
+    request_.place = [&body](std::uint32_t point) { return placeOf(body, point); };
+  }
+
+  void tear(const std::vector<Overload>& overloads) {
+    for (const Overload& o : overloads) {
+      if (energies_.size() >= kMaxTears || o.ratio < kNearlyMost * overloads.front().ratio) break;
+      tearAt(o.spring);
+    }
+    // a point of too small a mass is not divided
+    if (!energies_.empty()) separate(body_, elements_, request_, energies_);
+  }
+
+  /// Returns whether an element has both ends of a spring.
+  bool isEdge(std::size_t spring) const {
+    const std::uint32_t a = body_.springs->a[spring], b = body_.springs->b[spring];
+    for (std::uint32_t k = elements_.firstOf[a]; k < elements_.firstOf[a + 1]; ++k)
+      if (hasCorner(elements_.all[elements_.around[k]], b)) return true;
+    return false;
+  }
+
+ private:
+  static bool hasCorner(const std::array<std::uint32_t, 4>& element, std::uint32_t point) {
+    return std::find(element.begin(), element.end(), point) != element.end();
+  }
+
+  Vector3d offset(std::uint32_t from, std::uint32_t to) const {
+    return body_.state.position.col(to) - body_.state.position.col(from);
+  }
+
+  double stretch(std::size_t i) const {
+    return offset(body_.springs->a[i], body_.springs->b[i]).norm() - body_.springs->restLength[i];
+  }
+
+  double tension(std::size_t i) const {
+    return body_.springs->extensionStiffness[i] * std::max(0.0, stretch(i));
+  }
+
+  bool isFixed(std::uint32_t point) const {
+    const auto isHere = [&](const Anchor& anchor) { return anchor.point == point; };
+    return isHeld(body_.state.inverseMass, static_cast<Eigen::Index>(point)) ||
+           std::any_of(body_.anchors.begin(), body_.anchors.end(), isHere);
+  }
+
+  /// Returns the force (N) with which the other springs at a point pull against `towards` (unit).
+  double opposing(std::uint32_t point, std::size_t spring, const Vector3d& towards) const {
+    double sum = 0.0;
+    for (const std::uint32_t i : springsOf_[point]) {
+      if (i == spring) continue;
+      const std::uint32_t other = body_.springs->a[i] == point ? body_.springs->b[i] : body_.springs->a[i];
+      sum += tension(i) * std::max(0.0, -towards.dot(offset(point, other).stableNormalized()));
+    }
+    return sum;
+  }
+
+  void tearAt(std::size_t spring) {
+    std::uint32_t a = body_.springs->a[spring], b = body_.springs->b[spring];
+    Vector3d along = offset(a, b).stableNormalized();
+    const double least = kOpposed * tension(spring);
+    double atA = opposing(a, spring, along), atB = opposing(b, spring, -along);
+    if ((atA < least && !isFixed(a)) || (atB < least && !isFixed(b))) return;
+    if (atB > atA) std::swap(a, b), along = -along;
+    if (!part(a, along) && part(b, -along)) std::swap(a, b);
+    if (!parted_) return breakBrace(spring, a, b);
+    const double e = stretch(spring);
+    energies_.emplace_back(a, 0.5 * body_.springs->extensionStiffness[spring] * e * e);
+  }
+
+  /// Braces may pull at both ends of a spring of a hollow body whose triangles cannot part.
+  void breakBrace(std::size_t spring, std::uint32_t a, std::uint32_t b) {
+    const SpringNetwork& network = *body_.model->network;
+    if (network.kind != NetworkKind::Solid || elements_.corners == 4 || hasParted(a) || hasParted(b)) return;
+    removeSpring(body_, spring);
+  }
+
+  bool hasParted(std::uint32_t point) const {
+    const auto first = elements_.around.begin() + elements_.firstOf[point];
+    return std::any_of(first, first + static_cast<std::ptrdiff_t>(elements_.countAround(point)),
+                       [&](std::uint32_t element) { return request_.side[element] != 0; });
+  }
+
+  /// Parts the elements around a point by the plane through it. Returns false if all are on one side, or some
+  /// have parted in this tick.
+  bool part(std::uint32_t point, const Vector3d& normal) {
+    parted_ = false;
+    if (isFixed(point) || hasParted(point)) return false;
+    std::vector<signed char> sides;
+    int sum = 0;
+    for (std::uint32_t k = elements_.firstOf[point]; k < elements_.firstOf[point + 1]; ++k) {
+      const std::uint32_t element = elements_.around[k];
+      Vector3d middle = Vector3d::Zero();
+      for (std::size_t c = 0; c < elements_.corners; ++c) middle += offset(point, elements_.all[element][c]);
+      sides.push_back(middle.dot(normal) > 0.0 ? 1 : -1);
+      sum += sides.back();
+    }
+    if (std::abs(sum) == static_cast<int>(sides.size())) return false;
+    for (std::size_t i = 0; i < sides.size(); ++i)
+      request_.side[elements_.around[elements_.firstOf[point] + i]] = sides[i];
+    return parted_ = true;
+  }
+
+  SoftBodyData& body_;
+  Elements elements_;
+  std::vector<std::vector<std::uint32_t>> springsOf_;  // #points
+  SplitRequest request_;
+  std::vector<std::pair<std::uint32_t, double>> energies_;  // J, at the points that part
+  bool parted_ = false;                                     // the last part() has parted elements
+};
+
+/// Returns the springs that are too long, the most overloaded first.
+std::vector<Overload> overloadsOf(const SoftBodyData& body) {
+  std::vector<Overload> overloads;
+  const double strain = body.settings.elasticLimit.breakStrain;
+  const SpringArrays& springs = body.springs;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const double rest = springs.original->restLength[i], largest = strain * limitLength(springs, i);
+    if (!(largest > 0.0) || isBroken(springs, i)) continue;
+    const double length = (placeOf(body, springs->b[i]) - placeOf(body, springs->a[i])).norm();
+    if (length - rest > largest) overloads.push_back({i, (length - rest) / largest});
+  }
+  std::stable_sort(overloads.begin(), overloads.end(),
+                   [](const Overload& a, const Overload& b) { return a.ratio > b.ratio; });
+  return overloads;
+}
+
+}  // namespace
+
+void tearBody(SoftBodyData& body) {
+  if (body.asleep || !body.settings.elasticLimit.tear || body.settings.elasticLimit.breakStrain <= 0.0)
+    return;
+  std::vector<Overload> overloads = overloadsOf(body);
+  if (overloads.empty()) return;
+  Tearing tearing(body);
+  const auto inside = std::stable_partition(overloads.begin(), overloads.end(),
+                                            [&](const Overload& o) { return tearing.isEdge(o.spring); });
+  for (auto o = inside; o != overloads.end(); ++o) removeSpring(body, o->spring);
+  overloads.erase(inside, overloads.end());
+  tearing.tear(overloads);
+}
+
+// --- cuts --------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Returns whether the projection of a place onto the plane of a triangle is within it.
+bool isOver(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& place) {
+  const Vector3d normal = (b - a).cross(c - a);
+  const double scale = -1e-9 * normal.squaredNorm();
+  return normal.dot((b - a).cross(place - a)) >= scale && normal.dot((c - b).cross(place - b)) >= scale &&
+         normal.dot((a - c).cross(place - c)) >= scale;
+}
+
+Result<std::uint32_t> makeCut(SoftBodyData& body, const Cut& cut) {
+  if (!body.alive) return Error{"the soft body is disabled, see alive()"};
+  readFromBullet(body);
+  const Elements elements = elementsOf(*body.model->network);
+  SplitRequest request;
+  request.place = [&body](std::uint32_t point) { return placeOf(body, point); };
+  for (const auto& element : elements.all) {
+    double height = 0.0;
+    for (std::size_t c = 0; c < elements.corners; ++c)
+      height += cut.normal.dot(placeOf(body, element[c]) - cut.point);
+    request.side.push_back(height > 0.0 ? 1 : -1);
+  }
+  if (const std::vector<Vector3d>& x = cut.corners; !x.empty())
+    request.within = [x](const Vector3d& middle) {
+      return isOver(x[0], x[1], x[2], middle) || isOver(x[0], x[2], x[3], middle);
+    };
+  return separate(body, elements, request);
+}
+
+/// Makes a cut, now or at the end of the tick.
+Result<std::uint32_t> cutBody(SoftBodyData& body, const Cut& cut) {
+  if (!body.alive) return Error{"the soft body is disabled, see alive()"};
+  if (!body.inTick || !*body.inTick) return makeCut(body, cut);
+  body.cuts.push_back(cut);
+  return std::uint32_t{0};
+}
+
+}  // namespace
+
+void makePendingCuts(SoftBodyData& body) {
+  for (const Cut& cut : std::exchange(body.cuts, {})) makeCut(body, cut);
+}
+
+Result<std::uint32_t> SoftBody::cut(const btVector3& point, const btVector3& normal) {
+  const Vector3d n = toEigen(normal);
+  if (!toEigen(point).allFinite() || !n.allFinite()) return Error{"the plane of the cut is not finite"};
+  if (n.isZero(0.0)) return Error{"the normal of the cut is 0"};
+  return cutBody(*data_, {toEigen(point), n.stableNormalized(), {}});
+}
+
+Result<std::uint32_t> SoftBody::cut(const std::array<btVector3, 4>& edge) {
+  Cut cut{Vector3d::Zero(), Vector3d::Zero(), {}};
+  for (const btVector3& corner : edge) {
+    cut.corners.push_back(toEigen(corner));
+    cut.point += 0.25 * toEigen(corner);
+  }
+  if (!cut.point.allFinite()) return Error{"the region of the cut is not finite"};
+  cut.normal = (cut.corners[2] - cut.corners[0]).cross(cut.corners[3] - cut.corners[1]).stableNormalized();
+  if (!(cut.normal.norm() > 0.5)) return Error{"the region of the cut has no area"};
+  return cutBody(*data_, cut);
+}
+
+const std::vector<Tear>& SoftBody::tears() const { return data_->tears; }
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Zlib
+
+// This file finds the elements of a network and divides the points at which they separate.
+
+#include "solver/split.h"
+
+#include "solver/split_parts.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace limber {
+
+using Eigen::Vector3d;
+
+// --- elements ----------------------------------------------------------------------------------------------
+
+Elements elementsOf(const SpringNetwork& network) {
+  Elements e;
+  if (!network.tetrahedra.empty()) {
+    e.corners = 4;
+    e.all = network.tetrahedra;
+  } else if (!network.surface.empty()) {
+    e.corners = 3;
+    for (const Triangle& t : network.surface) e.all.push_back({t[0], t[1], t[2], kNoPoint});
+  } else {
+    e.corners = 2;
+    for (const NetworkSpring& s : network.springs)
+      if (s.kind == SpringKind::Structural) e.all.push_back({s.a, s.b, kNoPoint, kNoPoint});
+  }
+  e.firstOf.assign(network.restPoints.size() + 1, 0);
+  for (const auto& element : e.all)
+    for (std::size_t c = 0; c < e.corners; ++c) ++e.firstOf[element[c] + 1];
+  std::partial_sum(e.firstOf.begin(), e.firstOf.end(), e.firstOf.begin());
+  e.around.resize(e.firstOf.back());
+  std::vector<std::uint32_t> next = e.firstOf;
+  for (std::uint32_t i = 0; i < e.all.size(); ++i)
+    for (std::size_t c = 0; c < e.corners; ++c) e.around[next[e.all[i][c]]++] = i;
+  return e;
+}
+
+namespace {
+
+Facet facetWithout(const std::array<std::uint32_t, 4>& element, std::size_t corners, std::size_t leftOut) {
+  Facet facet = {kNoPoint, kNoPoint, kNoPoint};
+  std::size_t n = 0;
+  for (std::size_t c = 0; c < corners; ++c)
+    if (c != leftOut) facet[n++] = element[c];
+  std::sort(facet.begin(), facet.end());
+  return facet;
+}
+
+/// Returns all pairs of elements that share a facet, in the order of the facets.
+std::vector<ElementPair> elementPairs(const Elements& elements) {
+  std::vector<std::pair<Facet, std::uint32_t>> facets;
+  facets.reserve(elements.all.size() * elements.corners);
+  for (std::uint32_t i = 0; i < elements.all.size(); ++i)
+    for (std::size_t c = 0; c < elements.corners; ++c)
+      facets.emplace_back(facetWithout(elements.all[i], elements.corners, c), i);
+  std::sort(facets.begin(), facets.end());
+  std::vector<ElementPair> pairs;
+  for (std::size_t i = 0; i < facets.size(); ++i)
+    for (std::size_t j = i + 1; j < facets.size() && facets[j].first == facets[i].first; ++j)
+      pairs.push_back({facets[i].first, facets[i].second, facets[j].second, false});
+  return pairs;
+}
+
+Vector3d middleOf(const Separation& s, std::uint32_t element) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t c = 0; c < s.old.corners; ++c) sum += s.request.place(s.old.all[element][c]);
+  return sum / static_cast<double>(s.old.corners);
+}
+
+void separateNeighbours(Separation& s) {
+  for (ElementPair& n : s.neighbours) {
+    if (s.request.side[n.a] * s.request.side[n.b] >= 0) continue;
+    n.separated = !s.request.within || s.request.within(0.5 * (middleOf(s, n.a) + middleOf(s, n.b)));
+  }
+}
+
+// --- points ------------------------------------------------------------------------------------------------
+
+/// Returns the length, area or volume of an element at rest.
+double measureOf(const Separation& s, std::uint32_t element) {
+  const auto& corner = s.old.all[element];
+  const std::vector<Vector3d>& x = s.before.restPoints;
+  const Vector3d ab = x[corner[1]] - x[corner[0]];
+  if (s.old.corners == 2) return ab.norm();
+  const Vector3d normal = ab.cross(x[corner[2]] - x[corner[0]]);
+  return s.old.corners == 3 ? normal.norm() : std::abs(normal.dot(x[corner[3]] - x[corner[0]]));
+}
+
+/// The elements around a point that hold together.
+using Fans = std::vector<std::vector<std::uint32_t>>;
+
+/// Returns the fans of a point: the largest first, else in the order of their elements. `pairs` are the
+/// neighbours around the point.
+Fans fansOf(const Elements& elements, std::uint32_t point, const std::vector<const ElementPair*>& pairs) {
+  const std::uint32_t* first = elements.around.data() + elements.firstOf[point];
+  const std::size_t count = elements.countAround(point);
+  std::vector<std::size_t> root(count);
+  std::iota(root.begin(), root.end(), std::size_t{0});
+  const auto rootOf = [&](std::size_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  const auto placeOf = [&](std::uint32_t element) {
+    return static_cast<std::size_t>(std::lower_bound(first, first + count, element) - first);
+  };
+  for (const ElementPair* n : pairs) {
+    if (n->separated) continue;
+    const std::size_t a = rootOf(placeOf(n->a)), b = rootOf(placeOf(n->b));
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<std::vector<std::uint32_t>> byRoot(count);
+  for (std::size_t i = 0; i < count; ++i) byRoot[rootOf(i)].push_back(first[i]);
+  Fans fans;
+  for (auto& fan : byRoot)
+    if (!fan.empty()) fans.push_back(std::move(fan));
+  std::stable_sort(fans.begin(), fans.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return fans;
+}
+
+/// Gives each fan but the first a copy of the point.
+void dividePoint(Separation& s, std::uint32_t point, const Fans& fans) {
+  std::vector<double> measure;
+  double sum = 0.0;
+  for (const auto& fan : fans) {
+    measure.push_back(0.0);
+    for (const std::uint32_t element : fan) measure.back() += measureOf(s, element);
+    sum += measure.back();
+  }
+  s.copies[point] = {point};
+  double rest = 1.0;
+  // a sliver still gets a mass
+  constexpr double kLeast = 0.05;
+  const double equal = 1.0 / static_cast<double>(fans.size());
+  for (std::size_t f = 1; f < fans.size(); ++f) {
+    const double own = sum > 0.0 ? measure[f] / sum : equal;
+    const double share = kLeast * equal + (1.0 - kLeast) * own;
+    const auto copy = static_cast<std::uint32_t>(s.points.size());
+    s.points.push_back({point, share});
+    s.copies[point].push_back(copy);
+    rest -= share;
+    for (const std::uint32_t element : fans[f])
+      std::replace(s.elements[element].begin(), s.elements[element].end(), point, copy);
+  }
+  s.points[point].share = rest;
+}
+
+void dividePoints(Separation& s) {
+  const std::size_t count = s.before.restPoints.size();
+  std::vector<unsigned char> touched(count, 0);
+  for (const ElementPair& n : s.neighbours)
+    for (const std::uint32_t point : n.facet)
+      if (n.separated && point != kNoPoint) touched[point] = 1;
+  std::vector<std::vector<const ElementPair*>> pairs(count);
+  for (const ElementPair& n : s.neighbours)
+    for (const std::uint32_t point : n.facet)
+      if (point != kNoPoint && touched[point]) pairs[point].push_back(&n);
+  for (std::uint32_t point = 0; point < count; ++point) {
+    if (!touched[point]) continue;
+    const Fans fans = fansOf(s.old, point, pairs[point]);
+    if (fans.size() > 1) dividePoint(s, point, fans);
+  }
+}
+
+void splitGroups(const Separation& s, const std::vector<std::uint32_t>& springOf, SpringNetwork& network) {
+  for (NamedGroup& group : network.groups) {
+    const NamedGroup before = group;
+    const auto has = [](const std::vector<std::uint32_t>& members, std::uint32_t i) {
+      return std::binary_search(members.begin(), members.end(), i);
+    };
+    group.points.clear();
+    group.springs.clear();
+    for (std::uint32_t i = 0; i < s.points.size(); ++i)
+      if (has(before.points, s.points[i].from)) group.points.push_back(i);
+    for (std::uint32_t i = 0; i < springOf.size(); ++i)
+      if (has(before.springs, springOf[i])) group.springs.push_back(i);
+  }
+}
+
+}  // namespace
+
+std::uint32_t cornerFrom(const Separation& s, std::uint32_t element, std::uint32_t oldPoint) {
+  for (std::size_t c = 0; c < s.old.corners; ++c)
+    if (s.old.all[element][c] == oldPoint) return s.elements[element][c];
+  return kNoPoint;
+}
+
+SplitNetwork splitNetwork(const SpringNetwork& network, const Elements& elements,
+                          const SplitRequest& request) {
+  Separation s{network, elements, request, elementPairs(elements), elements.all, {}, {}};
+  const std::size_t count = network.restPoints.size();
+  for (std::uint32_t i = 0; i < count; ++i) s.points.push_back({i, 1.0});
+  s.copies.resize(count);
+  separateNeighbours(s);
+  dividePoints(s);
+  SplitNetwork result;
+  if (s.points.size() == count) return result;
+  auto split = std::make_shared<SpringNetwork>(network);
+  split->massFractions.clear();
+  for (const PointCopy& point : s.points) {
+    result.pointOf.push_back(point.from);
+    split->massFractions.push_back(network.massFractions[point.from] * point.share);
+  }
+  for (std::size_t i = count; i < s.points.size(); ++i)
+    split->restPoints.push_back(network.restPoints[s.points[i].from]);
+  if (elements.corners == 4) split->tetrahedra = s.elements;
+  splitSprings(s, *split, result.springOf);
+  splitSurface(s, *split);
+  splitGroups(s, result.springOf, *split);
+  result.network = std::move(split);
+  return result;
+}
+
+}  // namespace limber
