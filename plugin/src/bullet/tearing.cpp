@@ -114,7 +114,7 @@ class Tearing {
 
   bool isFixed(std::uint32_t point) const {
     const auto isHere = [&](const Anchor& anchor) { return anchor.point == point; };
-    return isHeld(body_.state.inverseMass, static_cast<Eigen::Index>(point)) ||
+    return limber::isHeld(body_.state.inverseMass, static_cast<Eigen::Index>(point)) ||
            std::any_of(body_.anchors.begin(), body_.anchors.end(), isHere);
   }
 
