@@ -23,6 +23,8 @@ const std::vector<SceneEntry>& sceneList() {
        &createPool},
       {"dent", "balls press an elastic block and two that yield, which keep their dents", 5.0, false,
        &createDent},
+      {"tear", "a heavy ball falls on a stretched sheet and tears it", 10.0, false, &createTear},
+      {"cut", "a blade cuts a hanging cloth, two planes cut a block of jelly", 10.0, false, &createCut},
   };
   return kScenes;
 }

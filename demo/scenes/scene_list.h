@@ -33,5 +33,7 @@ SceneResult createCurtain(const SceneOptions& options);
 SceneResult createFlag(const SceneOptions& options);
 SceneResult createPool(const SceneOptions& options);
 SceneResult createDent(const SceneOptions& options);
+SceneResult createTear(const SceneOptions& options);
+SceneResult createCut(const SceneOptions& options);
 
 }  // namespace limber::scenes
