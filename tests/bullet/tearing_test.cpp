@@ -14,9 +14,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <random>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 namespace limber::tearing {
@@ -483,5 +486,58 @@ TEST(Tear, equalRunsTearEqually) {
   }
   EXPECT_EQ(hashes[0], hashes[1]);
 }
+
+namespace {
+
+struct Listener final : ContactListener {};
+
+/// Runs tasks on two threads.
+void onTwoThreads(std::size_t count, const std::function<void(std::size_t)>& task) {
+  std::thread other([&] {
+    for (std::size_t i = 1; i < count; i += 2) task(i);
+  });
+  for (std::size_t i = 0; i < count; i += 2) task(i);
+  other.join();
+}
+
+/// Bodies of all kinds collide with each other, themselves, a ball and a floor while they are cut and tear.
+std::uint64_t hashOfCrowd(bool threads) {
+  BulletWorld bullet(-9.81);
+  bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  Listener listener;
+  system.setContactListener(&listener);
+  if (threads) system.setParallelFor(onTwoThreads);
+  std::vector<SoftBody*> bodies;
+  for (const auto& [name, make] : kKinds) {
+    SoftBodySettings s = tearing(0.15);
+    s.selfCollision = test::kSurface;
+    s.pointRadius = 0.01;
+    s.position = Vector3d(0.1 * double(bodies.size()), 0.6 + 0.7 * double(bodies.size()), 0.05);
+    bodies.push_back(*system.createBody(make(), s));
+  }
+  bullet.addBox(vec(0.2, 0.2, 0.2), 20.0, vec(0.1, 5, 0));
+  btRigidBody* weight = bullet.addBox(vec(0.05, 0.05, 0.05), 1.0, vec(1.5, 3, 0));
+  EXPECT_TRUE(system.addSpring({weight, btVector3(0, 0, 0)}, {bodies[0]->point(3), btVector3(0, 0, 0)}));
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  std::uint64_t hash = 0;
+  for (int tick = 0; tick < 60; ++tick) {
+    SoftBody& body = *bodies[static_cast<std::size_t>(tick) % bodies.size()];
+    const btVector3 normal = vec(number(random), number(random), number(random));
+    if (tick % 6 == 0) cut(&body, body.transform().getOrigin(), normal);
+    bullet.tick();
+  }
+  for (const SoftBody* body : bodies) {
+    EXPECT_EQ(body->restorations(), 0u);
+    EXPECT_EQ(validate(body->network()).error(), "");
+    hash = 31 * hash + body->stateHash();
+  }
+  return hash;
+}
+
+}  // namespace
+
+TEST(Tear, aCrowdIsTheSameOnThreads) { EXPECT_EQ(hashOfCrowd(false), hashOfCrowd(true)); }
 
 }  // namespace limber::tearing
