@@ -211,8 +211,8 @@ class SoftBody {
   /// for contacts in the next tick take longer, because it also discards their caches.
   std::vector<std::uint8_t> saveState();
   /// Restores a state. Errors, with nothing changed: bytes that saveState() has not made, or that are
-  /// damaged; a body of another network or kind of collision. A body that has torn since the state was saved has
-  /// another network; SoftBodySystem::saveBodies() also saves the network.
+  /// damaged; a body of another network or kind of collision. A body that has torn since the state was saved
+  /// has another network; SoftBodySystem::saveBodies() also saves the network.
   Result<void> restoreState(const std::vector<std::uint8_t>& bytes);
 
   /// Returns the number of ticks in which a position, velocity or force of the body was not finite, or beyond
