@@ -243,6 +243,7 @@ SoftBodySettings softSettings(const Step& s) {
   made.stepping.relativeTolerance = s["relative"];
   made.stepping.maxSubsteps = s.whole("budget");
   made.elasticLimit = {s["stiffen"], s["stiffen-factor"], s["yield"], s["yield-maximum"], s["break"]};
+  made.elasticLimit.tear = s.is("tear");
   return made;
 }
 

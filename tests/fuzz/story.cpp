@@ -105,6 +105,7 @@ std::vector<KindInfo> sceneKinds() {
         number("yield"),
         number("yield-maximum", 0.5),
         number("break"),
+        number("tear"),
         number("shared")}},
       {"joint",
        {choice("kind", "point hinge slider cone-twist dof6 dof6-spring2 fixed gear"), reference("a"),
@@ -174,7 +175,7 @@ std::vector<KindInfo> userKinds() {
        {choice("what", "air gusts vacuum water dry field no-field"), number("system"), vector("flow", kSpeed),
         number("level", 0, kLength), reference("of")}},
       {"change",
-       {reference("of"), choice("what", "settings place motion reset push pin save restore clone"),
+       {reference("of"), choice("what", "settings place motion reset push pin save restore clone cut blade"),
         number("variant"), number("factor", 1), vector("by", kLength), axial("spin", kSpin),
         rotation("rotation")}}};
 }

@@ -50,6 +50,16 @@ SoftBodySettings changedSettings(SoftBodySettings s, int variant, double factor,
   return s;
 }
 
+/// Cuts a body with a square blade about its centre.
+void cutByBlade(SoftBody& body, const btTransform& place, double size) {
+  const auto half = static_cast<btScalar>(0.5 * size);
+  const auto corner = [&](int x, int y) {
+    const btVector3 local(static_cast<btScalar>(x) * half, static_cast<btScalar>(y) * half, 0);
+    return body.transform().getOrigin() + place.getBasis() * local;
+  };
+  static_cast<void>(body.cut({corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)}));
+}
+
 }  // namespace
 
 void WorldPlayer::changeSoft(const Step& s) {
@@ -79,6 +89,10 @@ void WorldPlayer::changeSoft(const Step& s) {
     saved_[s.whole("of")] = body->saveState();
   else if (what == "restore" && saved_.count(s.whole("of")))
     static_cast<void>(body->restoreState(saved_[s.whole("of")]));
+  else if (what == "cut")
+    static_cast<void>(body->cut(body->transform().getOrigin() + by * btScalar(0.1), spin));
+  else if (what == "blade")
+    cutByBlade(*body, to, s["factor"]);
   else if (what == "clone" && phase_ == Phase::Between)
     static_cast<void>(systemOf(soft(s.whole("of"))->system)->clone(body, to));
 }

@@ -187,11 +187,11 @@ class SoftBody {
 
   /// Cuts the body along the plane through `point` (m) with this normal, at its present shape. The cut
   /// follows the edges of triangles, the faces of tetrahedra or the points of ropes that are nearest to the
-  /// plane. Returns the number of new points: 0 where the plane does not cross the body, or within a tick, at
-  /// the end of which the cut is then made. A pinned point that is divided stays pinned on both sides, an
-  /// attached one stays attached with point i. Takes about as long as creating a body. Errors, with nothing
-  /// changed: a body that is not alive(); numbers that are not finite; a normal of 0; a point that would get
-  /// too small a mass.
+  /// plane. Returns the number of new points: 0 where the plane does not cross the body, or within a tick:
+  /// the cut is then made at the start of the next one. contacts() is empty until then. A pinned point that
+  /// is divided stays pinned on both sides, an attached one stays attached with point i. Takes about as long
+  /// as creating a body. Errors, with nothing changed: a body that is not alive(); numbers that are not
+  /// finite; a normal of 0; a point that would get too small a mass.
   Result<std::uint32_t> cut(const btVector3& point, const btVector3& normal);
   /// Cuts with a blade only where it has passed: from edge[0], edge[1] to edge[3], edge[2] (m). The corners
   /// are in the order around the region, which is nearly flat. A cut that ends within the body on all sides
