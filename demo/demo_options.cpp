@@ -115,6 +115,8 @@ std::string conflict(const CommandLine& line) {
   if (o.sceneOptions.scale && !scenes::findScene(o.scene)->takesScale) {
     return "--scale has no meaning in the scene " + o.scene;
   }
+  if (const std::uint32_t bodies = scenes::findScene(o.scene)->bodies; o.sceneOptions.count && bodies > 0)
+    return "--count has no meaning in the scene " + o.scene + ", which always has as many bodies";
   if (o.mode == PictureMode::None && line.out->count() > 0) return "--out has no meaning with --mode none";
   return {};
 }

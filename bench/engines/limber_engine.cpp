@@ -61,7 +61,9 @@ void keepAwake(SoftBody& body) {
 
 std::size_t LimberEngine::addBody(const BodySetup& setup) {
   SoftBodySettings settings = setup.settings;
-  settings.volumeModulus = 0.0;  // scenes and reference solutions have springs only, as all other engines
+  // scenes and reference solutions have springs only and no air, as all other engines
+  settings.volumeModulus = 0.0;
+  settings.flow.drag = settings.flow.linearDrag = 0.0;
   if (tune_) tune_(settings);
   Result<SoftBody*> body = soft_.createBody(setup.network, settings);
   if (!body) throw std::runtime_error(body.error());

@@ -55,6 +55,7 @@ std::string addBlock(Scene& scene, const SceneOptions& options) {
   SoftBodySettings settings;
   settings.scale = Eigen::Vector3d(0.9, 0.7, 0.7);
   settings.position = kBlockCentre;
+  settings.rotation = Eigen::AngleAxisd(Random(options.seed).between(-0.02, 0.02), Eigen::Vector3d::UnitY());
   settings.selfCollision = true;
   settings.pointRadius = 0.012;
   const Result<SoftBodySettings> jelly = withMaterial(**network, Material::jelly(), settings);

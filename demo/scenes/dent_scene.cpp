@@ -80,8 +80,10 @@ Check checkDents() {
 }
 
 std::string addBlocks(Scene& scene, const SharedNetwork& network, const SceneOptions& options) {
+  Random random(options.seed);
   for (std::size_t i = 0; i < 3; ++i) {
     SoftBodySettings settings;
+    settings.rotation = Eigen::AngleAxisd(random.between(-0.05, 0.05), Eigen::Vector3d::UnitY());
     settings.position = {blockAt(i), 0.5 * kBlockHeight, 0.0};
     const Result<SoftBodySettings> material = withMaterial(*network, {3e5, 0.3, 500.0, 0.03}, settings);
     if (!material) return material.error();

@@ -33,6 +33,7 @@ std::string addFlag(Scene& scene, const SharedNetwork& network, const SceneOptio
   // upright, its first row on top
   settings.rotation = Eigen::AngleAxisd(0.5 * kFlagPi, Eigen::Vector3d::UnitX());
   settings.position = {0.5 * kFlagWidth + 1.5 * kPoleRadius, topOf() - 0.5 * kFlagHeight, z};
+  settings.linearVelocity = {0.0, 0.0, Random(options.seed + scene.looks.size()).between(-0.1, 0.1)};
   apply(options, settings);
   BodyLook look;
   look.colour = paletteColour(scene.looks.size());

@@ -22,9 +22,9 @@ const std::vector<SceneEntry>& sceneList() {
       {"pool", "soft boxes of four densities fall into water; three float at their draughts", 12.0, false,
        &createPool},
       {"dent", "balls press an elastic block and two that yield, which keep their dents", 5.0, false,
-       &createDent},
-      {"tear", "a heavy ball falls on a stretched sheet and tears it", 10.0, false, &createTear},
-      {"cut", "a blade cuts a hanging cloth, two planes cut a block of jelly", 10.0, false, &createCut},
+       &createDent, 3},
+      {"tear", "a heavy ball falls on a stretched sheet and tears it", 10.0, false, &createTear, 1},
+      {"cut", "a blade cuts a hanging cloth, two planes cut a block of jelly", 10.0, false, &createCut, 2},
   };
   return kScenes;
 }

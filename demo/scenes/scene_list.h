@@ -3,6 +3,7 @@
 
 #include "scenes/scene.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace limber::scenes {
@@ -13,6 +14,7 @@ struct SceneEntry {
   double seconds;     ///< time after which all is at rest with the scene's defaults
   bool takesScale;    ///< SceneOptions::scale has a meaning here
   SceneResult (*create)(const SceneOptions&);
+  std::uint32_t bodies = 0;  ///< 0: SceneOptions::count has a meaning here; else it always has as many
 };
 
 const std::vector<SceneEntry>& sceneList();

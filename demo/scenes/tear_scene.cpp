@@ -32,7 +32,7 @@ std::string addSheet(Scene& scene, const SceneOptions& options) {
   settings.flow.linearDrag = 1.6;
   settings.elasticLimit.breakStrain = kTearStrain;
   settings.elasticLimit.tear = true;
-  settings.position = {0.0, kSheetHeight, 0.0};
+  settings.position = {0.0, kSheetHeight + Random(options.seed).between(-0.005, 0.005), 0.0};
   apply(options, settings);
   BodyLook look;
   look.colour = paletteColour(0);

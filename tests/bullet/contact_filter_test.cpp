@@ -361,7 +361,8 @@ TEST(ContactFilter, aTickAllocatesNothing) {
     if (c.otherTriangle < 0 && c.side.points[0] == 7) c.response = ContactResponse::Report;
   });
   addFilteredCube(system, 0.0);
-  bullet.simulate(2.0);
+  // arrays of contacts grow until they have held the most that occur
+  bullet.simulate(4.0);
   const test::AllocationCounter counter;
   bullet.simulate(0.5);
   EXPECT_EQ(counter.allocations(), 0u);
