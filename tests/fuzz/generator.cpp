@@ -478,7 +478,7 @@ void Writer::changes(int frames) {
         .set("rotation", dice.ball(3.0));
     // a copy within its original has thousands of contacts
     if (s.choice("what") == "clone") s.set("by", Vector3d(0, 4, 0) + dice.ball(1.0));
-    if (dice.chance(0.2)) s.phase = dice.chance(0.5) ? Phase::Action : Phase::PreTick;
+    if (dice.chance(0.3)) s.phase = dice.of({Phase::Action, Phase::PreTick, Phase::Listener});
     story_.steps.push_back(s);
   }
 }

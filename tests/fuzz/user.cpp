@@ -49,6 +49,7 @@ bool allowedInListener(Kind kind) {
     case Kind::Leave:
     case Kind::Look:
     case Kind::Ray:
+    case Kind::Change:
       return true;
     default:
       return false;
