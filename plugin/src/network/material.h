@@ -115,7 +115,7 @@ double setMaterialSprings(SpringNetwork& network, const std::function<bool(doubl
 /// their neighbours, which limit the time step, are heavier, by 7 % of the body's mass in all. This comes
 /// from the other points. Centre of mass and inertia are those of the solid as far as no point has more
 /// than 1.3 times its quarters. The quarters alone have too much inertia, by up to a tenth: so the slowest
-/// vibrations are as true as with them.
+/// vibrations of cubes, tori and bars are as true as with them; those of thin limbs are less so.
 std::vector<double> materialMasses(const SpringNetwork& network);
 
 /// Returns the network of a filling: springs by setMaterialSprings(), masses by materialMasses().
