@@ -216,9 +216,6 @@ void placeAsCreated(SoftBodyData& body) {
 
 namespace {
 
-/// m, m/s. Twice the largest position of the settings, and ten times the largest speed.
-constexpr double kMaxCoordinate = 2e6, kMaxSpeed = 1e6;
-
 std::string checkPoints(const PointState& state) {
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     const std::string point = "point " + std::to_string(i);
@@ -226,7 +223,7 @@ std::string checkPoints(const PointState& state) {
                  speed = state.velocity.col(i).norm();
     if (!(coordinate <= kMaxCoordinate))
       return point + " would have a coordinate of " + inWords(coordinate) + " m, must be at most 2e6";
-    if (!(speed <= kMaxSpeed))
+    if (!(speed <= kMaxPointSpeed))
       return point + " would move at " + inWords(speed) + " m/s, must be at most 1e6";
   }
   return {};

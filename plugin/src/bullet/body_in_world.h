@@ -39,6 +39,13 @@ class SharedModels {
 Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
                                                    const SoftBodySettings& settings, SharedModels& models);
 
+/// m, m/s: largest coordinate and speed that users may give points. Twice the largest position of the
+/// settings, and ten times the largest speed.
+constexpr double kMaxCoordinate = 2e6, kMaxPointSpeed = 1e6;
+
+/// The error of all changes of a body that is not alive.
+inline Error notAlive() { return {"the soft body is disabled, see alive()"}; }
+
 /// Sets positions and velocities to those of a new body.
 void placeAsCreated(SoftBodyData& body);
 

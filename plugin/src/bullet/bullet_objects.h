@@ -38,6 +38,8 @@ inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }
 
+inline bool isFinite(const btVector3& v) { return toEigen(v).allFinite(); }
+
 // --- the plugin's own bodies -------------------------------------------------------------------------------
 
 /// A body of this plugin. The address of a mark in its extension pointer identifies it: this needs no RTTI,

@@ -15,6 +15,7 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -26,16 +27,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// m, m/s. As for new bodies.
-constexpr double kFarthest = 2e6, kFastest = 1e6;
-
-bool isFinite(const btVector3& v) { return toEigen(v).allFinite(); }
-
-Error notInWorld() { return {"the soft body is disabled, see alive()"}; }
-
 Result<void> checkMotion(const char* name, const btVector3& v) {
   if (!isFinite(v)) return Error{std::string(name) + " is not finite"};
-  if (toEigen(v).norm() > kFastest) return Error{std::string(name) + " is beyond 1e6"};
+  if (toEigen(v).norm() > kMaxPointSpeed) return Error{std::string(name) + " is beyond 1e6"};
   return {};
 }
 
@@ -97,7 +91,7 @@ Placement placementOf(const btTransform& transform) {
 Result<void> checkTransform(const btTransform& transform) {
   const btMatrix3x3& basis = transform.getBasis();
   if (!isFinite(transform.getOrigin())) return Error{"the transform's origin is not finite"};
-  if (toEigen(transform.getOrigin()).cwiseAbs().maxCoeff() > kFarthest / 2)
+  if (toEigen(transform.getOrigin()).cwiseAbs().maxCoeff() > kMaxCoordinate / 2)
     return Error{"the transform's origin has a coordinate beyond 1e6"};
   if (!(std::abs(double(basis.determinant()) - 1.0) < 1e-3))
     return Error{"the transform's basis is no rotation"};
@@ -122,7 +116,7 @@ void makeWhole(SoftBodyData& body) {
 }
 
 Result<void> resetBody(SoftBodyData& body, const Placement* at) {
-  if (!body.alive) return notInWorld();
+  if (!body.alive) return notAlive();
   readFromBullet(body);
   makeWhole(body);
   if (at)
@@ -149,7 +143,7 @@ btTransform SoftBody::transform() const {
 }
 
 Result<void> SoftBody::setTransform(const btTransform& transform) {
-  if (!alive()) return notInWorld();
+  if (!alive()) return notAlive();
   if (Result<void> valid = checkTransform(transform); !valid) return valid;
   readFromBullet(*data_);
   const Placement from = placementOf(*data_), to = placementOf(transform);
@@ -161,7 +155,7 @@ Result<void> SoftBody::setTransform(const btTransform& transform) {
 }
 
 Result<void> SoftBody::setVelocity(const btVector3& linear, const btVector3& angular) {
-  if (!alive()) return notInWorld();
+  if (!alive()) return notAlive();
   if (Result<void> valid = checkMotion("the velocity", linear); !valid) return valid;
   if (Result<void> valid = checkMotion("the angular velocity", angular); !valid) return valid;
   readFromBullet(*data_);
@@ -199,10 +193,10 @@ Result<void> SoftBody::teleportPin(std::uint32_t i, const btVector3& target) {
 
 namespace {
 
-/// A share of a force or impulse that acts on a point.
+/// Applies pushOf(i) to each point i: as a force (N) in the coming step, or as an impulse (N s) now. The
+/// state must be up to date.
 template <class Push>
 void pushAll(SoftBodyData& body, Push pushOf, bool asForce) {
-  readFromBullet(body);
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const Vector3d push = pushOf(i);
     if (push.isZero(0.0)) continue;
@@ -216,7 +210,7 @@ void pushAll(SoftBodyData& body, Push pushOf, bool asForce) {
 }
 
 Result<void> pushBody(SoftBodyData& body, const btVector3& push, bool asForce) {
-  if (!body.alive) return notInWorld();
+  if (!body.alive) return notAlive();
   if (Result<void> valid = checkPush(asForce ? "the force" : "the impulse", push); !valid) return valid;
   readFromBullet(body);
   const double mass = totalMass(body.state);
@@ -227,7 +221,7 @@ Result<void> pushBody(SoftBodyData& body, const btVector3& push, bool asForce) {
 }
 
 Result<void> turnBody(SoftBodyData& body, const btVector3& torque, bool asForce) {
-  if (!body.alive) return notInWorld();
+  if (!body.alive) return notAlive();
   if (Result<void> valid = checkPush("the torque", torque); !valid) return valid;
   readFromBullet(body);
   const RigidFit fit = fitRigid(body);
@@ -240,11 +234,12 @@ Result<void> turnBody(SoftBodyData& body, const btVector3& torque, bool asForce)
 }
 
 Result<void> pushPlace(SoftBodyData& body, const btVector3& push, const SurfaceHit& place, bool asForce) {
-  if (!body.alive) return notInWorld();
+  if (!body.alive) return notAlive();
   if (Result<void> valid = checkPush(asForce ? "the force" : "the impulse", push); !valid) return valid;
   if (place.body != body.handle) return Error{"the hit is not on this soft body"};
   for (const std::uint32_t point : place.points)
     if (point >= pointCount(body)) return Error{"there is no point " + std::to_string(point)};
+  readFromBullet(body);
   const auto pushOf = [&](Eigen::Index i) -> Vector3d {
     double weight = 0.0;
     for (Eigen::Index corner = 0; corner < 3; ++corner)
@@ -287,11 +282,12 @@ Result<void> SoftBody::applyTorqueImpulse(const btVector3& impulse) {
 }
 
 Result<void> SoftBody::applyBlast(const btVector3& center, btScalar radius, btScalar speed) {
-  if (!alive()) return notInWorld();
+  if (!alive()) return notAlive();
   if (!isFinite(center)) return Error{"the centre of the blast is not finite"};
   if (!(radius > btScalar(0)) || !std::isfinite(double(radius)))
     return Error{"the radius of the blast is not above 0"};
-  if (!(std::abs(double(speed)) <= kFastest)) return Error{"the speed of the blast is not within 1e6"};
+  if (!(std::abs(double(speed)) <= kMaxPointSpeed)) return Error{"the speed of the blast is not within 1e6"};
+  readFromBullet(*data_);
   const auto pushOf = [&](Eigen::Index i) -> Vector3d {
     const Vector3d arm = data_->state.position.col(i) - toEigen(center);
     const double share = 1.0 - arm.norm() / double(radius);
@@ -392,7 +388,7 @@ void changeRadius(SoftBodyData& body) {
 }
 
 Result<void> checkChange(const SoftBodyData& body, const SoftBodySettings& s) {
-  if (!body.alive) return notInWorld();
+  if (!body.alive) return notAlive();
   if (Result<void> valid = validate(s); !valid) return Error{"settings: " + valid.error()};
   if (s.collision != body.settings.collision)
     return Error{"settings: collision cannot change while the body lives"};

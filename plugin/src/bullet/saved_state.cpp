@@ -447,7 +447,7 @@ Result<void> checkStateFor(const SoftBodyData& body, const Bytes& bytes) {
 }
 
 Result<void> restoreStateOf(SoftBodyData& body, const Bytes& bytes) {
-  if (!body.alive) return Error{"the soft body is disabled, see alive()"};
+  if (!body.alive) return notAlive();
   Result<BodyState> state = readState(body, bytes);
   if (!state) return Error{state.error()};
   if (Result<void> changed = changeSettings(body, state->settings); !changed) return changed;

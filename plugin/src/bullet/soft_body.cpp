@@ -169,11 +169,6 @@ Error noPoint(const SoftBody& body, std::uint32_t i) {
   return {"there is no " + point + ": the body has " + std::to_string(body.pointCount()) + " points"};
 }
 
-Error notAlive() { return {"the soft body is disabled, see alive()"}; }
-
-/// m, as for new bodies.
-constexpr double kMaxPinCoordinate = 2e6;
-
 Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
 
 }  // namespace
@@ -191,7 +186,7 @@ Result<void> SoftBody::movePin(std::uint32_t i, const btVector3& target) {
   if (!alive()) return notAlive();
   if (!toEigen(target).allFinite())
     return Error{"the target of point " + std::to_string(i) + " is not finite"};
-  if (toEigen(target).cwiseAbs().maxCoeff() > kMaxPinCoordinate)
+  if (toEigen(target).cwiseAbs().maxCoeff() > kMaxCoordinate)
     return Error{"the target of point " + std::to_string(i) + " has a coordinate beyond 2e6"};
   wake();
   data_->masses.bodies[i]->getWorldTransform().setOrigin(target);

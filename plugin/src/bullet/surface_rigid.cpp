@@ -127,11 +127,7 @@ void leave(SoftBodyData& body) {
   body.surface.left = {object.getWorldTransform(), object.getLinearVelocity(), object.getAngularVelocity()};
 }
 
-bool isFinite(const btVector3& v) {
-  return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
-}
-
-bool isFinite(const btRigidBody& object) {
+bool isMotionFinite(const btRigidBody& object) {
   const btTransform& pose = object.getWorldTransform();
   return isFinite(object.getLinearVelocity()) && isFinite(object.getAngularVelocity()) &&
          isFinite(pose.getOrigin()) && isFinite(pose.getBasis()[0]) && isFinite(pose.getBasis()[1]) &&
@@ -238,7 +234,7 @@ bool isObjectChanged(const SoftBodyData& body) {
 void readObject(SoftBodyData& body, double drift) {
   if (!isObjectChanged(body)) return;
   btRigidBody& object = *body.surface.object;
-  if (!isFinite(object)) {
+  if (!isMotionFinite(object)) {
     body.restored = true;
     return undo(body);
   }

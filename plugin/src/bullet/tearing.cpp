@@ -227,7 +227,7 @@ bool isOver(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vecto
 }
 
 Result<std::uint32_t> makeCut(SoftBodyData& body, const Cut& cut) {
-  if (!body.alive) return Error{"the soft body is disabled, see alive()"};
+  if (!body.alive) return notAlive();
   readFromBullet(body);
   const Elements elements = elementsOf(*body.model->network);
   SplitRequest request;
@@ -247,7 +247,7 @@ Result<std::uint32_t> makeCut(SoftBodyData& body, const Cut& cut) {
 
 /// Makes a cut, now or at the end of the tick.
 Result<std::uint32_t> cutBody(SoftBodyData& body, const Cut& cut) {
-  if (!body.alive) return Error{"the soft body is disabled, see alive()"};
+  if (!body.alive) return notAlive();
   if (!body.inTick || !*body.inTick) return makeCut(body, cut);
   body.cuts.push_back(cut);
   return std::uint32_t{0};
