@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -89,16 +90,21 @@ TEST(Change, aChangedBodyMovesLikeOneMadeSo) {
     s.pressure = 10.0;
     s.totalMass = 3.0;
     s.friction = 0.9;
+    s.restitution = 0.7;
+    s.pointRadius = 0.03;
     s.stepping.minSubsteps = 17;
   };
   SoftBodySettings made = test::testedSettings();
   made.damping = 0.0;
+  made.position = {0, 0.8, 0};
   World changed(-9.81, made);
+  changed.bullet.addBoxFloor();
   changed.change(edit);
   edit(made);
   BulletWorld bullet(-9.81);
   SoftBodySystem system(*bullet.world);
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), made);
+  bullet.addBoxFloor();
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
     changed.bullet.tick();
@@ -164,6 +170,29 @@ TEST(Change, friction) {
   world.change([](SoftBodySettings& s) { s.friction = 0.8; });
   world.bullet.simulate(1.0);
   EXPECT_NEAR(world.body->linearMomentum().x(), 0.0, 0.02) << "stops with it";
+}
+
+TEST(Change, radiusAndSleep) {
+  World world(-9.81);
+  world.bullet.addBoxFloor()->setRestitution(btScalar(1));
+  world.change([](SoftBodySettings& s) { s.damping = 5.0, s.pointRadius = 0.02, s.sleepingSpeed = 0.0; });
+  ASSERT_TRUE(world.body->reset(btTransform(btQuaternion::getIdentity(), vec(0, 0.55, 0))));
+  world.bullet.simulate(4.0);
+  const auto lowest = [&] {
+    double y = 1e9;
+    for (std::uint32_t i = 0; i < world.body->pointCount(); ++i) y = std::min(y, world.body->position(i).y());
+    return y;
+  };
+  EXPECT_NEAR(lowest(), 0.02, 1e-3) << "rests a radius above the floor";
+  EXPECT_FALSE(world.body->sleeping()) << "0: never";
+  world.change([](SoftBodySettings& s) { s.pointRadius = 0.05; });
+  world.bullet.simulate(4.0);
+  EXPECT_NEAR(lowest(), 0.05, 1e-3);
+  world.change([](SoftBodySettings& s) { s.sleepingSpeed = 0.1; });
+  world.bullet.simulate(4.0);
+  EXPECT_TRUE(world.body->sleeping());
+  world.change([](SoftBodySettings& s) { s.friction = 0.1; });
+  EXPECT_FALSE(world.body->sleeping()) << "a change wakes";
 }
 
 TEST(Change, filters) {
