@@ -77,16 +77,16 @@ void partAt(SoftBody& body, const Eigen::Vector3d& place, const Eigen::Vector3d&
   }
 }
 
-/// Cuts the block by planes, and the banner by a blade that moves up from its hem.
+/// Cuts the block by planes, and the banner by a blade that moves across it.
 void cutAll(Scene& scene, std::size_t& made) {
   SoftBody &banner = *scene.soft->body(0), &block = *scene.soft->body(1);
   const std::int64_t ticks = scene.ticks - kFirstCut;
   if (ticks >= 0 && ticks <= kSweep && ticks % 5 == 0) {
-    // always in the same plane
-    const double way = 0.07 + 0.78 * double(ticks) / double(kSweep);
-    const btVector3 away(0, 0, 1), hem(btScalar(-0.72), btScalar(kBannerTop - 1.1 * kBannerSize), 0),
-        tip = hem + btVector3(btScalar(0.25), btScalar(1.1 * kBannerSize), 0) * btScalar(way);
-    if (const auto cut = banner.cut({hem - away, hem + away, tip + away, tip - away})) made += *cut;
+    // always in the same plane, and at last beyond the other edge
+    const double way = 0.07 + 0.93 * double(ticks) / double(kSweep);
+    const btVector3 away(0, 0, 1), start(btScalar(-1.4), btScalar(kBannerTop - 0.75 * kBannerSize), 0),
+        tip = start + btVector3(btScalar(1.65), btScalar(0.35), 0) * btScalar(way);
+    if (const auto cut = banner.cut({start - away, start + away, tip + away, tip - away})) made += *cut;
   }
   const std::pair<std::int64_t, Eigen::Vector3d> planes[] = {{0, Eigen::Vector3d::UnitX()},
                                                              {kSweep, Eigen::Vector3d::UnitZ()}};
@@ -102,6 +102,11 @@ void cutAll(Scene& scene, std::size_t& made) {
 Check checkCut(const std::shared_ptr<std::size_t>& made) {
   return [made](const Scene& scene) {
     if (*made < 60) return "only " + std::to_string(*made) + " points were divided";
+    const SoftBody& banner = *scene.soft->body(0);
+    // the last row of the banner as it was made
+    for (std::uint32_t i = 0; i <= kBannerCells; ++i)
+      if (banner.position(kBannerCells * (kBannerCells + 1) + i).y() > 0.2)
+        return std::string("the lower part of the banner has not fallen");
     Eigen::AlignedBox3d box;
     const SoftBody& block = *scene.soft->body(1);
     for (std::uint32_t i = 0; i < block.pointCount(); ++i) box.extend(block.position(i));
@@ -120,7 +125,7 @@ SceneResult createCut(const SceneOptions& options) {
   if (const std::string reason = addBlock(*scene, options); !reason.empty()) return Error{reason};
   const auto made = std::make_shared<std::size_t>(0);
   scene->beforeTick = [made](Scene& now) { cutAll(now, *made); };
-  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-1.4, 0, -0.6), Eigen::Vector3d(2.3, 1.9, 0.7));
+  scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-1.4, 0, -0.6), Eigen::Vector3d(2.4, 1.9, 1.3));
   scene->view.direction = {0.3, 0.4, 1.0};
   scene->endChecks = {checkFinite, checkAboveFloor, checkCut(made), checkCalm(0.1)};
   return scene;
