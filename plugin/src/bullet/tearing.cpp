@@ -245,7 +245,7 @@ Result<std::uint32_t> makeCut(SoftBodyData& body, const Cut& cut) {
   return separate(body, elements, request);
 }
 
-/// Makes a cut, now or at the end of the tick.
+/// Makes a cut, now or, within a tick, at the start of the next one.
 Result<std::uint32_t> cutBody(SoftBodyData& body, const Cut& cut) {
   if (!body.alive) return notAlive();
   if (!body.inTick || !*body.inTick) return makeCut(body, cut);
