@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace limber {
@@ -118,7 +120,8 @@ TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
   const Eigen::Vector3d start[] = {body->position(0), body->position(1), body->position(2)};
   std::vector<btTransform> bones = {bone(0, 0), bone(1, 0)};
-  auto skeleton = Skeleton::bind(*body, {{0, {{0, 1.0}}}, {1, {{1, 1.0}}}, {2, {{0, 0.5}, {1, 0.5}}}}, bones);
+  auto skeleton =
+      Skeleton::bind(system, *body, {{0, {{0, 1.0}}}, {1, {{1, 1.0}}}, {2, {{0, 0.5}, {1, 0.5}}}}, bones);
   ASSERT_TRUE(skeleton) << skeleton.error();
   for (int i = 0; i <= 30; ++i) {
     bones[1] = bone(1, 0.01 * i);
@@ -137,8 +140,115 @@ TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
   EXPECT_LT(body->velocity(0).norm(), 1e-9);
   skeleton->release();
   EXPECT_FALSE(body->pinned(0));
+  skeleton = Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, bones);
   ASSERT_TRUE(system.destroyBody(body));
   EXPECT_EQ(skeleton->moveTo(bones).error(), "the soft body of the skeleton has been destroyed");
+}
+
+/// A cloth in the plane y = 0 whose normals point up, carried by one bone with the same limits at each point.
+struct LimitedCloth {
+  LimitedCloth(double gravity, double maxDistance, double backStop)
+      : bullet(gravity), system(*bullet.world), bones{bone(0, 0)} {
+    ClothSettings shape;
+    shape.columns = shape.rows = 6;
+    SoftBodySettings s = test::testedSettings();
+    s.totalMass = 0.1;
+    s.extensionStiffness = s.compressionStiffness = 100.0;
+    s.damping = 0.05;
+    s.flow.linearDrag = 0.0;
+    body = *system.createBody(*buildCloth(shape), s);
+    std::vector<BoundPoint> points;
+    for (std::uint32_t i = 0; i < body->pointCount(); ++i)
+      points.push_back({i, {{0, 1.0}}, maxDistance, backStop});
+    auto made = Skeleton::bind(system, *body, points, bones);
+    EXPECT_TRUE(made) << made.error();
+    if (made) skeleton.emplace(std::move(*made));
+  }
+
+  /// m, the largest distance of a point from its place.
+  double largestDistance() const {
+    double largest = 0.0;
+    for (std::uint32_t i = 0; i < body->pointCount(); ++i)
+      largest = std::max(largest, (body->position(i) - fromBt(skeleton->place(i))).norm());
+    return largest;
+  }
+
+  static Eigen::Vector3d fromBt(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+
+  BulletWorld bullet;
+  SoftBodySystem system;
+  std::vector<btTransform> bones;
+  SoftBody* body = nullptr;
+  std::optional<Skeleton> skeleton;
+};
+
+/// m: a point of 2 g or less on a spring of 100 N/m, at rest.
+constexpr double kGivesWay = 0.1 / 36.0 * 10.0 / 100.0;
+
+TEST(BoundSkeleton, limitedPointsFallAsFarAsTheyMay) {
+  LimitedCloth cloth(-10.0, 0.05, -1.0);
+  for (int i = 0; i < 4; ++i) cloth.bullet.tick();
+  EXPECT_NEAR(cloth.body->centerOfMass().y(), -5.0 * std::pow(4.0 / 60.0, 2), 1e-6) << "free fall";
+  cloth.bullet.simulate(3.0);
+  EXPECT_NEAR(cloth.largestDistance(), 0.05, kGivesWay);
+  EXPECT_NEAR(cloth.body->centerOfMass().y(), -0.05, kGivesWay);
+}
+
+TEST(BoundSkeleton, theBackStopHoldsThemInFront) {
+  LimitedCloth behind(-10.0, 0.05, 0.01), infront(10.0, 0.05, 0.01);
+  behind.bullet.simulate(3.0);
+  infront.bullet.simulate(3.0);
+  EXPECT_NEAR(behind.body->centerOfMass().y(), -0.01, kGivesWay);
+  EXPECT_NEAR(infront.body->centerOfMass().y(), 0.05, kGivesWay);
+  // upside down, behind is above
+  LimitedCloth turned(10.0, 0.05, 0.01);
+  for (int i = 0; i <= 60; ++i) {
+    turned.bones[0] = bone(0, M_PI * i / 60.0);
+    ASSERT_TRUE(turned.skeleton->moveTo(turned.bones));
+    turned.bullet.tick();
+  }
+  turned.bullet.simulate(3.0);
+  // beside the place the sphere is lower, by up to 0.05^2 / (2 x 0.5)
+  EXPECT_GT(turned.body->centerOfMass().y(), 0.01 - kGivesWay);
+  EXPECT_LT(turned.body->centerOfMass().y(), 0.01 + 0.0025 + kGivesWay);
+}
+
+TEST(BoundSkeleton, limitedPointsKeepUpWithTheirBones) {
+  LimitedCloth cloth(0.0, 0.02, 0.0);
+  for (int i = 1; i <= 120; ++i) {
+    cloth.bones[0].setOrigin(vec(4.0 * i / 60.0, 0, 0));
+    ASSERT_TRUE(cloth.skeleton->moveTo(cloth.bones));
+    cloth.bullet.tick();
+    // from rest to 4 m/s at once: the spring of a point stretches by v sqrt(m / k) at most
+    EXPECT_LT(cloth.largestDistance(), 0.02 + 4.0 * std::sqrt(0.1 / 36.0 / 100.0)) << i;
+  }
+  EXPECT_NEAR(cloth.body->linearMomentum().x(), 0.4, 0.01);
+}
+
+TEST(BoundSkeleton, aTeleportTakesTheWholeBodyAlong) {
+  LimitedCloth cloth(-10.0, 0.05, 0.01);
+  cloth.bullet.simulate(2.0);
+  const double before = cloth.body->kineticEnergy() + cloth.body->elasticEnergy();
+  cloth.bones[0].setOrigin(vec(30, 5, 0));
+  ASSERT_TRUE(cloth.skeleton->moveTo(cloth.bones, true));
+  cloth.bullet.simulate(0.2);
+  EXPECT_NEAR(cloth.body->centerOfMass().x(), 30.0, 1e-3);
+  EXPECT_LT(cloth.body->kineticEnergy() + cloth.body->elasticEnergy(), before + 1e-4);
+  cloth.skeleton->release();
+  EXPECT_EQ(cloth.system.springCount(), 0u);
+}
+
+TEST(BoundSkeleton, itMayOutliveTheBodyAndTheSystem) {
+  std::optional<Skeleton> skeleton;
+  {
+    LimitedCloth cloth(-10.0, 0.05, 0.01);
+    skeleton.emplace(std::move(*cloth.skeleton));
+    EXPECT_EQ(cloth.system.springCount(), 2u * cloth.body->pointCount());
+    ASSERT_TRUE(cloth.system.destroyBody(cloth.body));
+    EXPECT_EQ(cloth.system.springCount(), 0u);
+    EXPECT_FALSE(skeleton->moveTo(cloth.bones));
+  }
+  skeleton.reset();
 }
 
 TEST(BoundSkeleton, badBindingsAreNamedAndPinNothing) {
@@ -146,14 +256,142 @@ TEST(BoundSkeleton, badBindingsAreNamedAndPinNothing) {
   SoftBodySystem system(*bullet.world);
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
   const std::vector<btTransform> bones = {bone(0, 0)};
-  EXPECT_EQ(Skeleton::bind(*body, {{0, {{0, 1.0}}}, {99, {{0, 1.0}}}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}, {99, {{0, 1.0}}}}, bones).error(),
             "bound point 1: there is no point 99");
-  EXPECT_EQ(Skeleton::bind(*body, {{0, {{3, 1.0}}}}, bones).error(), "bound point 0: there is no bone 3");
-  EXPECT_EQ(Skeleton::bind(*body, {{0, {{0, 0.7}}}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{3, 1.0}}}}, bones).error(),
+            "bound point 0: there is no bone 3");
+  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 0.7}}}}, bones).error(),
             "bound point 0: the weights do not sum to 1");
+  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}, {0, {{0, 1.0}}}}, bones).error(),
+            "bound point 1: the point is bound twice");
+  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}, -1.0}}, bones).error(),
+            "bound point 0: maxDistance must be from 0 to 1e6");
+  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}, 0.0, 0.1}}, bones).error(),
+            "bound point 0: a back stop needs a maxDistance above 0");
   EXPECT_FALSE(body->pinned(0));
-  auto skeleton = Skeleton::bind(*body, {{0, {{0, 1.0}}}}, bones);
+  EXPECT_EQ(system.springCount(), 0u);
+  auto skeleton = Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, bones);
   EXPECT_EQ(skeleton->moveTo({}).error(), "0 bones, bound were 1");
+  btTransform lost = bones[0];
+  lost.setOrigin(vec(NAN, 0, 0));
+  EXPECT_EQ(skeleton->moveTo({lost}).error(), "bone 0 is not finite, or farther than 1e6 m");
+}
+
+// --- anchors and events ------------------------------------------------------------------------------------
+
+/// Notes what breaks.
+struct BreakListener : ContactListener {
+  void springBreaks(SpringConstraint& spring) override { springs.push_back(&spring); }
+  void anchorBreaks(const BrokenAnchor& anchor) override { anchors.push_back(anchor); }
+  void bodyTears(SoftBody&, const std::vector<Tear>& places) override { tears += places.size(); }
+  std::vector<SpringConstraint*> springs;
+  std::vector<BrokenAnchor> anchors;
+  std::size_t tears = 0;
+};
+
+/// A rope of 0.1 kg that hangs from a static box by an anchor, with a load of 2 kg at its lower end.
+struct HangingLoad {
+  explicit HangingLoad(double breakForce) : bullet(-10.0), system(*bullet.world) {
+    RopeSettings shape;
+    shape.length = 1.0;
+    shape.segments = 5;
+    SoftBodySettings s = test::testedSettings();
+    s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+    s.totalMass = 0.1;
+    s.extensionStiffness = s.compressionStiffness = 5e3;
+    s.damping = 20.0;
+    s.flow.linearDrag = 0.0;
+    rope = *system.createBody(*buildRope(shape), s);
+    hook = bullet.addBox(vec(0.1, 0.1, 0.1), 0.0, toBt(rope->position(0)) + vec(0, 0.1, 0));
+    load = bullet.addBox(vec(0.1, 0.1, 0.1), 2.0, toBt(rope->position(5)) - vec(0, 0.1, 0));
+    EXPECT_TRUE(system.attach(rope, 0, *hook, breakForce));
+    EXPECT_TRUE(system.attach(rope, 5, *load));
+    system.setContactListener(&listener);
+  }
+  static btVector3 toBt(const Eigen::Vector3d& v) { return vec(v.x(), v.y(), v.z()); }
+
+  BreakListener listener;
+  BulletWorld bullet;
+  SoftBodySystem system;
+  SoftBody* rope;
+  btRigidBody *hook, *load;
+};
+
+TEST(Anchors, theirForcesAreThoseOfTheLoad) {
+  HangingLoad hanging(0.0);
+  hanging.load->setActivationState(DISABLE_DEACTIVATION);
+  hanging.bullet.simulate(4.0);
+  double upper = 0.0, lower = 0.0;
+  // means over several swings
+  for (int i = 0; i < 240; ++i) {
+    hanging.bullet.tick();
+    upper += double(hanging.rope->anchorForce(0).y()) / 240.0;
+    lower += double(hanging.rope->anchorForce(5).y()) / 240.0;
+  }
+  EXPECT_NEAR(upper, 21.0, 0.05);
+  EXPECT_NEAR(lower, -20.0, 0.05);
+  EXPECT_EQ(hanging.rope->anchorForce(2).length(), btScalar(0));
+  EXPECT_TRUE(hanging.rope->attached(0));
+  EXPECT_FALSE(hanging.rope->attached(1));
+  EXPECT_FALSE(hanging.rope->attached(99));
+}
+
+TEST(Anchors, theyBreakUnderMoreThanTheyHold) {
+  // the load swings in to at most twice its weight
+  HangingLoad holds(43.0), breaks(15.0);
+  holds.bullet.simulate(2.0);
+  breaks.bullet.simulate(2.0);
+  EXPECT_TRUE(holds.listener.anchors.empty());
+  ASSERT_EQ(breaks.listener.anchors.size(), 1u);
+  const BrokenAnchor& broken = breaks.listener.anchors[0];
+  EXPECT_EQ(broken.body, breaks.rope);
+  EXPECT_EQ(broken.point, 0u);
+  EXPECT_EQ(broken.other, breaks.hook);
+  EXPECT_GT(broken.force, 15.0);
+  EXPECT_FALSE(breaks.rope->attached(0));
+  EXPECT_TRUE(breaks.rope->attached(5));
+  EXPECT_LT(double(breaks.load->getCenterOfMassPosition().y()), -10.0);
+  EXPECT_EQ(breaks.system.attach(breaks.rope, 0, *breaks.hook, -1.0).error(),
+            "breakForce must be from 0 to 1e18");
+  EXPECT_TRUE(breaks.system.attach(breaks.rope, 0, *breaks.hook, 1.0));
+}
+
+TEST(BreakForce, theListenerHearsOfEachBreakOnce) {
+  WeldedCubes weak(1.5);
+  BreakListener listener;
+  weak.system.setContactListener(&listener);
+  weak.bullet.simulate(2.0);
+  EXPECT_EQ(listener.springs.size(), 4u);
+  for (const SpringConstraint* spring : listener.springs) EXPECT_TRUE(spring->broken());
+  weak.system.setContactListener(nullptr);
+}
+
+TEST(TearEvents, theListenerHearsOfEachTear) {
+  BulletWorld bullet(-10.0);
+  SoftBodySystem system(*bullet.world);
+  BreakListener listener;
+  system.setContactListener(&listener);
+  RopeSettings shape;
+  shape.length = 1.0;
+  shape.segments = 10;
+  SoftBodySettings s = test::testedSettings();
+  s.totalMass = 1.0;
+  s.extensionStiffness = s.compressionStiffness = 1000.0;
+  s.elasticLimit.breakStrain = 0.01;
+  s.elasticLimit.tear = true;
+  s.position = {0, 3, 0};
+  SoftBody* rope = *system.createBody(*buildRope(shape), s);
+  ASSERT_TRUE(rope->pin(0));
+  ASSERT_TRUE(rope->pin(10));
+  std::size_t polled = 0;
+  for (int i = 0; i < 120; ++i) {
+    bullet.tick();
+    polled += rope->tears().size();
+  }
+  EXPECT_GT(listener.tears, 0u);
+  EXPECT_EQ(listener.tears, polled);
+  EXPECT_EQ(rope->pointCount(), 11u + polled);
+  system.setContactListener(nullptr);
 }
 
 // --- heavy loads -------------------------------------------------------------------------------------------

@@ -5,12 +5,14 @@
 
 #include <limber/bullet_precision.h>
 #include <limber/soft_body.h>
+#include <limber/spring_constraint.h>
 
 #include <btBulletDynamicsCommon.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -96,6 +98,14 @@ struct ContactPair {
   SoftContact strongest;                   ///< the contact with the largest impulse
 };
 
+/// An anchor that has broken, see SoftBodySystem::attach().
+struct BrokenAnchor {
+  SoftBody* body = nullptr;
+  std::uint32_t point = 0;                   ///< of the body
+  const btCollisionObject* other = nullptr;  ///< the rigid body to which it was attached
+  double force = 0.0;                        ///< N, that it had to hold
+};
+
 /// Receives the contacts after each tick, on the thread that steps the world. Soft bodies are reported in
 /// order of creation, the objects that they touch in the order in which they were added to the world.
 ///
@@ -113,6 +123,14 @@ class ContactListener {
   virtual void contactBegins(const ContactPair&) {}
   virtual void contactPersists(const ContactPair&) {}
   virtual void contactEnds(const ContactPair&) {}
+
+  // Called before those, once for each event of the last tick.
+
+  /// A spring of the system has broken (SpringSettings::breakForce).
+  virtual void springBreaks(SpringConstraint&) {}
+  virtual void anchorBreaks(const BrokenAnchor&) {}
+  /// The body has torn (ElasticLimit::tear), or got the cuts that were asked for within the tick before.
+  virtual void bodyTears(SoftBody&, const std::vector<Tear>&) {}
 };
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -128,6 +128,10 @@ class SoftBody {
   Result<void> unpin(std::uint32_t i);
   /// Returns whether point i exists and is pinned.
   bool pinned(std::uint32_t i) const;
+  /// Returns whether point i exists and is attached to a rigid body, SoftBodySystem::attach().
+  bool attached(std::uint32_t i) const;
+  /// Returns the mean force (N) of point i's anchor on the point in the last tick; 0 if it is not attached.
+  btVector3 anchorForce(std::uint32_t i) const;
 
   // --- changes while the body lives. Errors of all: a body that is not alive(); values that are not finite
   // or too large. All of them wake the body.

@@ -150,11 +150,14 @@ class SoftBodySystem {
 
   /// Attaches point i to `body` at a pivot (m) in the body's local coordinates (the overload without pivot:
   /// at the current position of the point). Forces act in both directions; point and body do not collide.
-  /// Errors: a soft body that does not, or no longer, belong to a system of this world, no such point, a
-  /// point that is already attached or pinned, a body that is a point mass or a surface object, a pivot that
-  /// is not finite or farther than 1e6 m.
-  Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot);
-  Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body);
+  /// The anchor breaks for good in a tick in which it had to hold more than `breakForce` (N, 0: never), see
+  /// ContactListener::anchorBreaks(), SoftBody::attached() and SoftBody::anchorForce(). Errors: a breakForce
+  /// that is not from 0 to 1e18; a soft body that does not, or no longer, belong to a system of this world,
+  /// no such point, a point that is already attached or pinned, a body that is a point mass or a surface
+  /// object, a pivot that is not finite or farther than 1e6 m.
+  Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot,
+                      double breakForce = 0.0);
+  Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, double breakForce = 0.0);
   /// Detaches an attached point. Errors: no such soft body, a point that is not attached.
   Result<void> detach(SoftBody* softBody, std::uint32_t i);
 

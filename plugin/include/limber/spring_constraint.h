@@ -8,6 +8,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <memory>
+#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -35,6 +36,9 @@ class SpringConstraint {
   const SpringEnd& endB() const { return b_; }
   const SpringSettings& settings() const { return settings_; }
 
+  /// Returns where the end that is fixed in the world moves over the next tick, if it does.
+  const std::optional<btVector3>& target() const { return target_; }
+
   /// Returns the current distance of its ends, m.
   btScalar length() const { return (worldPivot(a_) - worldPivot(b_)).length(); }
 
@@ -52,10 +56,12 @@ class SpringConstraint {
 
  private:
   friend class SoftBodySystem;
+  friend class Skeleton;
   SpringConstraint(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings)
       : a_(a), b_(b), settings_(settings) {}
 
   SpringEnd a_, b_;
+  std::optional<btVector3> target_;  // where the end in the world goes in the next tick
   SpringSettings settings_;
   double force_ = 0.0;
   bool broken_ = false;

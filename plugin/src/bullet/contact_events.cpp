@@ -118,6 +118,25 @@ void ContactEvents::collectEnds(SoftBodyData& body, const SoftBody* other) {
   endPairs(body, [&](const TouchingPair& pair) { return pair.otherBody == other; });
 }
 
+void ContactEvents::callBreak(SpringConstraint& spring) {
+  calling_ = true;
+  if (listener_) listener_->springBreaks(spring);
+  calling_ = false;
+}
+
+void ContactEvents::callBreaks(SoftBody& body) {
+  SoftBodyData& data = dataOf(body);
+  if (data.tears.empty() && data.brokenAnchors.empty()) return;
+  calling_ = true;
+  // a callback may change the lists
+  const std::vector<BrokenAnchor> anchors = data.brokenAnchors;
+  const std::vector<Tear> tears = data.tears;
+  for (const BrokenAnchor& anchor : anchors)
+    if (listener_) listener_->anchorBreaks(anchor);
+  if (listener_ && !tears.empty()) listener_->bodyTears(body, tears);
+  calling_ = false;
+}
+
 void ContactEvents::call(const btCollisionWorld* world) {
   calling_ = true;
   // by index, because a callback may set another listener, which clears the list

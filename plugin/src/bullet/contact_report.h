@@ -61,6 +61,9 @@ class ContactEvents {
   void collectEnds(SoftBodyData& body);
   /// Adds the ends of a body's pairs with another body that is about to be destroyed.
   void collectEnds(SoftBodyData& body, const SoftBody* other);
+  /// Report what has broken or torn in the last tick.
+  void callBreak(SpringConstraint& spring);
+  void callBreaks(SoftBody& body);
   /// Makes the calls. `world`: nullptr if it may no longer exist.
   void call(const btCollisionWorld* world);
 

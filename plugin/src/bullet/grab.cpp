@@ -45,13 +45,8 @@ Result<void> SoftBodySystem::moveSpring(SpringConstraint* spring, const btVector
     return Error{"the spring is not, or no longer, one of this system"};
   if (spring->a_.body && spring->b_.body) return Error{"both ends of the spring are on bodies"};
   if (!(pivot.length2() <= btScalar(1e12))) return Error{"the pivot is not finite, or farther than 1e6 m"};
-  const bool first = !spring->a_.body;
-  (first ? spring->a_ : spring->b_).pivot = pivot;
-  for (LinkedGroup& group : impl_->step->groups)
-    for (std::size_t i = 0; i < group.springs.size(); ++i) {
-      LinkSpring& link = group.step.links.springs[i];
-      if (group.springs[i] == spring) (first ? link.a : link.b).pivot = toEigen(pivot);
-    }
+  (spring->a_.body ? spring->b_ : spring->a_).pivot = pivot;
+  spring->target_.reset();
   return {};
 }
 

@@ -70,6 +70,7 @@ void copyToGroups(Island& island) {
     for (RigidState& state : group->step.links.rigids) state = step.links.rigids[rigid++];
     for (LinkSpring& link : group->step.links.springs) link.force = step.links.springs[spring++].force;
     for (LinkAnchor& link : group->step.links.anchors) {
+      link.impulse = step.links.anchors[anchor].impulse;
       link.positionImpulse = step.links.anchors[anchor].positionImpulse;
       link.velocityImpulse = step.links.anchors[anchor++].velocityImpulse;
     }

@@ -9,6 +9,8 @@
 #include <limber/skeleton.h>
 #include <limber/soft_body_system.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <string>
 #include <utility>
@@ -70,8 +72,10 @@ Result<std::vector<SpringConstraint*>> SoftBodySystem::weld(SoftBody* a, SoftBod
 
 namespace {
 
-std::string checkBound(const SoftBody& body, const BoundPoint& bound, std::size_t bones) {
-  if (bound.point >= body.pointCount()) return "there is no point " + std::to_string(bound.point);
+/// Radius of a back stop's sphere, times the maximum distance.
+constexpr btScalar kStopRadius = 10;
+
+std::string checkWeights(const BoundPoint& bound, std::size_t bones) {
   double sum = 0.0;
   for (const auto& [bone, weight] : bound.weights) {
     if (bone >= bones) return "there is no bone " + std::to_string(bone);
@@ -81,50 +85,180 @@ std::string checkBound(const SoftBody& body, const BoundPoint& bound, std::size_
   return std::abs(sum - 1.0) < 1e-6 ? std::string() : "the weights do not sum to 1";
 }
 
-}  // namespace
-
-Result<Skeleton> Skeleton::bind(SoftBody& body, const std::vector<BoundPoint>& points,
-                                const std::vector<btTransform>& bones) {
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (const std::string reason = checkBound(body, points[i], bones.size()); !reason.empty())
-      return Error{"bound point " + std::to_string(i) + ": " + reason};
-  Skeleton skeleton;
-  skeleton.body_ = body.handle();
-  skeleton.bones_ = bones.size();
-  for (const BoundPoint& bound : points) {
-    if (Result<void> pinned = body.pin(bound.point); !pinned) return Error{pinned.error()};
-    const btVector3 place = toBullet(body.position(bound.point));
-    Follower follower{bound.point, {}};
-    for (const auto& [bone, weight] : bound.weights)
-      follower.parts.push_back({bone, static_cast<btScalar>(weight), bones[bone].inverse() * place});
-    skeleton.followers_.push_back(std::move(follower));
-  }
-  return skeleton;
+std::string checkBound(const SoftBody& body, const BoundPoint& bound, std::size_t bones) {
+  if (!body.point(bound.point)) return "there is no point " + std::to_string(bound.point);
+  if (!(bound.maxDistance >= 0.0 && bound.maxDistance <= 1e6)) return "maxDistance must be from 0 to 1e6";
+  if (!(bound.backStop <= 1e6)) return "backStop must be at most 1e6";
+  if (bound.backStop >= 0.0 && bound.maxDistance == 0.0) return "a back stop needs a maxDistance above 0";
+  if (bound.backStop >= 0.0 && body.network().surface.empty()) return "a back stop needs a surface";
+  return checkWeights(bound, bones);
 }
 
-btVector3 Skeleton::placeOf(const Follower& follower, const std::vector<btTransform>& bones) {
-  btVector3 place(0, 0, 0);
-  for (const Part& part : follower.parts) place += part.weight * (bones[part.bone] * part.local);
-  return place;
-}
-
-Result<void> Skeleton::moveTo(const std::vector<btTransform>& bones, bool teleport) {
-  SoftBody* body = body_.get();
-  if (!body) return Error{"the soft body of the skeleton has been destroyed"};
-  if (bones.size() != bones_)
-    return Error{std::to_string(bones.size()) + " bones, bound were " + std::to_string(bones_)};
-  for (const Follower& follower : followers_) {
-    const btVector3 place = placeOf(follower, bones);
-    const Result<void> moved =
-        teleport ? body->teleportPin(follower.point, place) : body->movePin(follower.point, place);
-    if (!moved) return moved;
+/// Returns why the points cannot be bound; empty if they can.
+std::string checkBound(const SoftBody& body, const std::vector<BoundPoint>& points, std::size_t bones) {
+  std::vector<unsigned char> isBound(body.pointCount(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::string reason = checkBound(body, points[i], bones);
+    if (reason.empty() && std::exchange(isBound[points[i].point], 1)) reason = "the point is bound twice";
+    if (!reason.empty()) return "bound point " + std::to_string(i) + ": " + reason;
   }
   return {};
 }
 
+/// Returns the normals (#points) of the present surface; 0 for points that are not on it.
+std::vector<btVector3> pointNormals(const SoftBody& body) {
+  std::vector<btVector3> normals(body.pointCount(), btVector3(0, 0, 0));
+  for (const Triangle& t : body.network().surface) {
+    const Eigen::Vector3d a = body.position(t[0]);
+    const btVector3 normal = toBullet((body.position(t[1]) - a).cross(body.position(t[2]) - a));
+    for (const std::uint32_t point : t) normals[point] += normal;
+  }
+  for (btVector3& normal : normals)
+    if (normal.length2() > btScalar(0)) normal.normalize();
+  return normals;
+}
+
+/// Returns the spring that acts at and beyond a distance; critically damped with the point alone.
+SpringSettings limitSettings(const SoftBody& body, std::uint32_t point, double distance) {
+  SpringSettings settings;
+  settings.stiffness = body.settings().extensionStiffness;
+  settings.damping = 2.0 * std::sqrt(settings.stiffness * double(body.point(point)->getMass()));
+  settings.restLength = distance;
+  return settings;
+}
+
+}  // namespace
+
+Skeleton::Follower Skeleton::follow(const SoftBody& body, const BoundPoint& bound, const btVector3& normal,
+                                    const std::vector<btTransform>& bones) {
+  const btVector3 place = toBullet(body.position(bound.point));
+  Follower follower{bound.point, {}, btScalar(bound.maxDistance), btScalar(bound.backStop), place, {}, {}};
+  for (const auto& [bone, weight] : bound.weights)
+    follower.parts.push_back(
+        {bone, static_cast<btScalar>(weight), bones[bone].invXform(place), normal * bones[bone].getBasis()});
+  return follower;
+}
+
+/// Pins the point, or adds the springs that limit it.
+Result<void> Skeleton::hold(Follower& follower, const std::vector<btTransform>& bones) {
+  if (follower.maxDistance == btScalar(0)) return body_->pin(follower.point);
+  const auto add = [&](Handle<SpringConstraint>& spring, const btVector3& end, btScalar distance,
+                       SpringAction action) -> Result<void> {
+    SpringSettings settings = limitSettings(*body_, follower.point, double(distance));
+    settings.action = action;
+    const auto added = system_->addSpring({body_->point(follower.point)}, {nullptr, end}, settings);
+    if (!added) return Error{added.error()};
+    spring = (*added)->handle();
+    return {};
+  };
+  Result<void> limited =
+      add(follower.limit, follower.place, follower.maxDistance, SpringAction::ExtensionOnly);
+  if (!limited || follower.backStop < btScalar(0)) return limited;
+  return add(follower.stop, stopOf(follower, bones), kStopRadius * follower.maxDistance,
+             SpringAction::CompressionOnly);
+}
+
+Result<Skeleton> Skeleton::bind(SoftBodySystem& system, SoftBody& body, const std::vector<BoundPoint>& points,
+                                const std::vector<btTransform>& bones) {
+  if (const std::string reason = checkBound(body, points, bones.size()); !reason.empty())
+    return Error{reason};
+  Skeleton skeleton;
+  skeleton.system_ = &system;
+  skeleton.body_ = body.handle();
+  skeleton.bones_ = bones.size();
+  const std::vector<btVector3> normals = pointNormals(body);
+  for (const BoundPoint& bound : points) {
+    skeleton.followers_.push_back(follow(body, bound, normals[bound.point], bones));
+    if (Result<void> held = skeleton.hold(skeleton.followers_.back(), bones); !held) {
+      skeleton.release();
+      return Error{held.error()};
+    }
+  }
+  return skeleton;
+}
+
+Skeleton& Skeleton::operator=(Skeleton&& other) noexcept {
+  if (this == &other) return *this;
+  removeSprings();
+  system_ = other.system_;
+  body_ = std::move(other.body_);
+  bones_ = other.bones_;
+  followers_ = std::move(other.followers_);
+  return *this;
+}
+
+Skeleton::~Skeleton() { removeSprings(); }
+
+/// Returns the centre of the sphere of the back stop.
+btVector3 Skeleton::stopOf(const Follower& follower, const std::vector<btTransform>& bones) {
+  btVector3 normal(0, 0, 0);
+  for (const Part& part : follower.parts) normal += part.weight * (bones[part.bone].getBasis() * part.normal);
+  const btScalar length = normal.length();
+  const btScalar depth = kStopRadius * follower.maxDistance + follower.backStop;
+  return follower.place - (length > btScalar(0) ? depth / length : btScalar(0)) * normal;
+}
+
+/// Moves the body by the rigid motion nearest to that of the places.
+Result<void> Skeleton::teleportBody(const std::vector<btVector3>& from) {
+  Eigen::Matrix3Xd before(3, from.size()), after(3, from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    before.col(static_cast<Eigen::Index>(i)) = toEigen(from[i]);
+    after.col(static_cast<Eigen::Index>(i)) = toEigen(followers_[i].place);
+  }
+  const Eigen::Isometry3d motion(Eigen::umeyama(before, after, false));
+  const Eigen::Quaterniond turn(motion.rotation());
+  return body_->setTransform(btTransform(btQuaternion(btScalar(turn.x()), btScalar(turn.y()),
+                                                      btScalar(turn.z()), btScalar(turn.w())),
+                                         toBullet(motion.translation())) *
+                             body_->transform());
+}
+
+Result<void> Skeleton::moveTo(const std::vector<btTransform>& bones, bool teleport) {
+  if (!body_) return Error{"the soft body of the skeleton has been destroyed"};
+  if (bones.size() != bones_)
+    return Error{std::to_string(bones.size()) + " bones, bound were " + std::to_string(bones_)};
+  for (std::size_t b = 0; b < bones.size(); ++b)
+    if (!(toEigen(bones[b].getOrigin()).norm() <= 1e6) || !toEigen(bones[b].getBasis()).allFinite())
+      return Error{"bone " + std::to_string(b) + " is not finite, or farther than 1e6 m"};
+  std::vector<btVector3> from;
+  for (Follower& follower : followers_) {
+    from.push_back(follower.place);
+    follower.place.setZero();
+    for (const Part& part : follower.parts) follower.place += part.weight * (bones[part.bone] * part.place);
+  }
+  if (teleport && !followers_.empty())
+    if (Result<void> moved = teleportBody(from); !moved) return moved;
+  for (const Follower& follower : followers_)
+    if (Result<void> moved = carry(follower, bones, teleport); !moved) return moved;
+  body_->wake();
+  return {};
+}
+
+/// Moves the pin, or the springs' ends, to the place.
+Result<void> Skeleton::carry(const Follower& follower, const std::vector<btTransform>& bones, bool teleport) {
+  if (follower.maxDistance == btScalar(0))
+    return teleport ? body_->teleportPin(follower.point, follower.place)
+                    : body_->movePin(follower.point, follower.place);
+  const auto move = [&](const Handle<SpringConstraint>& spring, const btVector3& end) -> Result<void> {
+    if (!spring) return {};
+    if (teleport) return system_->moveSpring(spring.get(), end);
+    spring->target_ = end;
+    return {};
+  };
+  Result<void> moved = move(follower.limit, follower.place);
+  return moved ? move(follower.stop, stopOf(follower, bones)) : moved;
+}
+
+void Skeleton::removeSprings() {
+  for (Follower& follower : followers_)
+    for (const Handle<SpringConstraint>* spring : {&follower.limit, &follower.stop})
+      if (*spring) static_cast<void>(system_->removeSpring(spring->get()));
+}
+
 void Skeleton::release() {
-  if (SoftBody* body = body_.get())
-    for (const Follower& follower : followers_) static_cast<void>(body->unpin(follower.point));
+  removeSprings();
+  for (const Follower& follower : followers_)
+    if (body_ && body_->pinned(follower.point)) static_cast<void>(body_->unpin(follower.point));
   followers_.clear();
 }
 

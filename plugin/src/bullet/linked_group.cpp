@@ -257,7 +257,20 @@ void updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {
     if (isSurfaceBody(*body)) updateBroadphaseBox(*body, tick);
 }
 
+/// Moves the end in the world to where the user has moved it, at once or, with a target, over the tick.
+void gatherEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
+  const auto gather = [&](LinkEnd& end, const SpringEnd& now) {
+    if (end.kind != LinkEnd::Kind::World) return;
+    end.pivot = toEigen(now.pivot);
+    end.velocity = (toEigen(spring.target().value_or(now.pivot)) - end.pivot) / tick;
+  };
+  gather(link.a, spring.endA());
+  gather(link.b, spring.endB());
+}
+
 void gatherGroup(LinkedGroup& group, btScalar tick) {
+  for (std::size_t i = 0; i < group.springs.size(); ++i)
+    gatherEnds(group.step.links.springs[i], *group.springs[i], double(tick));
   for (SoftBodyData* body : group.bodies) gatherContacts(*body, tick);
   for (std::size_t i = 0; i < group.rigids.size(); ++i)
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);

@@ -206,6 +206,17 @@ bool SoftBody::pinned(std::uint32_t i) const {
   return point && point->isKinematicObject();
 }
 
+bool SoftBody::attached(std::uint32_t i) const {
+  return std::any_of(data_->anchors.begin(), data_->anchors.end(),
+                     [&](const Anchor& anchor) { return anchor.point == i; });
+}
+
+btVector3 SoftBody::anchorForce(std::uint32_t i) const {
+  for (const Anchor& anchor : data_->anchors)
+    if (anchor.point == i) return anchor.force;
+  return btVector3(0, 0, 0);
+}
+
 std::uint32_t SoftBody::restorations() const { return data_->restorations; }
 bool SoftBody::sleeping() const { return data_->asleep; }
 void SoftBody::wake() { wakeBody(*data_, false); }

@@ -48,7 +48,9 @@ class SharedModels;
 struct Anchor {
   std::uint32_t point;
   btRigidBody* body;
-  btVector3 pivot;  ///< in the body's local coordinates
+  btVector3 pivot;                       ///< in the body's local coordinates
+  double breakForce = 0.0;               ///< N; 0: never
+  btVector3 force = btVector3(0, 0, 0);  ///< N on the point, mean of the last tick
 };
 
 /// The impulse of a contact in the last tick, for the warm start of the next one.
@@ -250,6 +252,7 @@ struct SoftBodyData {
   std::vector<SoftBodyData*> softPartners;         ///< near in this tick, with surfaces
   ContactReport report;
   std::vector<Tear> tears;                    ///< of the last tick and since
+  std::vector<BrokenAnchor> brokenAnchors;    ///< in the last tick
   std::vector<Cut> cuts;                      ///< asked for within a tick
   std::vector<TouchingPair> touching;         ///< for a listener, sorted by id
   std::vector<ReportedManifold*> shown;       ///< in Bullet's dispatcher

@@ -289,7 +289,7 @@ Error foreignBody() { return {"the soft body is not, or no longer, in this world
 }  // namespace
 
 Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
-                                    const btVector3& pivot) {
+                                    const btVector3& pivot, double breakForce) {
   if (!impl_->step->owns(softBody)) return foreignBody();
   SoftBodyData& data = *softBody->data_;
   const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
@@ -301,17 +301,21 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
     return Error{
         "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
   if (!isValidPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
-  data.anchors.push_back({i, &body, pivot});
+  if (!(breakForce >= 0.0 && breakForce <= 1e18)) return Error{"breakForce must be from 0 to 1e18"};
+  Anchor anchor{i, &body, pivot};
+  anchor.breakForce = breakForce;
+  data.anchors.push_back(anchor);
   softBody->wake();
   impl_->step->groupsStale = true;
   return {};
 }
 
-Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body) {
+Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
+                                    double breakForce) {
   if (!impl_->step->owns(softBody)) return foreignBody();
   if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
   const btVector3 position = toBullet(softBody->position(i));
-  return attach(softBody, i, body, body.getWorldTransform().inverse() * position);
+  return attach(softBody, i, body, body.getWorldTransform().inverse() * position, breakForce);
 }
 
 Result<void> SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
@@ -354,6 +358,9 @@ void SoftBodySystem::Impl::notifyListener() {
     for (auto& body : bodies) reportManifold(*body->data_, strongest);
   if (!events.listening()) return;
   for (auto& body : bodies) events.collect(*body->data_);
+  for (const Handle<SpringConstraint>& spring : step->brokenSprings)
+    if (spring && find(springs, spring.get()) != springs.end()) events.callBreak(*spring);
+  for (std::size_t i = 0; i < bodies.size(); ++i) events.callBreaks(*bodies[i]);
   events.call(world);
   // keeps the hook, which is calling this function
   for (Impl* system : step->systems) system->destroyPending();

@@ -104,7 +104,8 @@ struct SoftBodySystem::Impl::WorldStep {
   void step(btScalar tick);
   void write(btScalar tick);
   void updateLiving();
-  static void takeForce(SpringConstraint& spring, double force);
+  void takeLink(SpringConstraint& spring, const LinkSpring& link);
+  void takeAnchors(LinkedGroup& group, double tick);
   /// Tears and cuts bodies.
   void divideBodies();
   /// Restores the manifolds, motors and springs that were hidden from Bullet's solver in a tick.
@@ -128,11 +129,12 @@ struct SoftBodySystem::Impl::WorldStep {
   RigidSurfaces rigidSurfaces{shapes};
   ScratchPool<SurfaceSearch> searches;
   HeldPairs heldPairs;
-  std::vector<std::uint32_t> newIndex;     // scratch of filterPairs()
-  std::vector<SoftBodyData*> living;       // the bodies in the groups
-  std::vector<SoftBodyData*> moving;       // those of the awake groups
-  std::vector<SpringConstraint*> springs;  // of all systems
-  std::vector<unsigned char> usableLinks;  // see updateUsableLinks()
+  std::vector<std::uint32_t> newIndex;                  // scratch of filterPairs()
+  std::vector<SoftBodyData*> living;                    // the bodies in the groups
+  std::vector<SoftBodyData*> moving;                    // those of the awake groups
+  std::vector<SpringConstraint*> springs;               // of all systems
+  std::vector<Handle<SpringConstraint>> brokenSprings;  // in the last tick
+  std::vector<unsigned char> usableLinks;               // see updateUsableLinks()
   bool groupsStale = true;
   bool inTick = false;                       // from the time when bodies are read to the end of the tick
   bool anyRestored = false;                  // a body was restored in this tick

@@ -103,6 +103,7 @@ void SoftBodySystem::Impl::WorldStep::divideBodies() {
     for (auto& body : system->bodies) {
       if (!body->data_->alive) continue;
       body->data_->tears.clear();
+      body->data_->brokenAnchors.clear();
       makePendingCuts(*body->data_);
       tearBody(*body->data_);
     }
@@ -258,10 +259,29 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   write(tick);
 }
 
-void SoftBodySystem::Impl::WorldStep::takeForce(SpringConstraint& spring, double force) {
+void SoftBodySystem::Impl::WorldStep::takeLink(SpringConstraint& spring, const LinkSpring& link) {
   const double limit = spring.settings_.breakForce;
-  spring.broken_ = limit > 0.0 && std::abs(force) > limit;
-  spring.force_ = spring.broken_ ? 0.0 : force;
+  spring.broken_ = limit > 0.0 && std::abs(link.force) > limit;
+  spring.force_ = spring.broken_ ? 0.0 : link.force;
+  if (spring.broken_) brokenSprings.push_back(spring.handle());
+  if (spring.target_) (spring.a_.body ? spring.b_ : spring.a_).pivot = *spring.target_;
+  spring.target_.reset();
+}
+
+/// Removes the anchors that held more than they can.
+void SoftBodySystem::Impl::WorldStep::takeAnchors(LinkedGroup& group, double tick) {
+  for (const LinkAnchor& link : group.step.links.anchors) {
+    SoftBodyData& body = *group.bodies[link.point.body];
+    const auto isThis = [&](const Anchor& anchor) { return anchor.point == link.point.point; };
+    const auto anchor = std::find_if(body.anchors.begin(), body.anchors.end(), isThis);
+    if (anchor == body.anchors.end()) continue;
+    anchor->force = toBullet(link.impulse / tick);
+    const double force = link.impulse.norm() / tick;
+    if (!(anchor->breakForce > 0.0 && force > anchor->breakForce)) continue;
+    body.brokenAnchors.push_back({body.handle, anchor->point, anchor->body, force});
+    body.anchors.erase(anchor);
+    groupsStale = true;
+  }
 }
 
 void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
@@ -272,6 +292,7 @@ void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
 void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   restoreBulletState();
   inTick = false;
+  brokenSprings.clear();
   if (!(tick > btScalar(0))) return;
   const StopWatch watch(profile.readBackMs);
   parallel.forEach(awake.size(), [&](std::size_t g) {
@@ -280,7 +301,8 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   for (LinkedGroup* group : awake) {
     if (group->hasWorldPoints) readGroupFromBullet(*group, tick);
     for (std::size_t i = 0; i < group->springs.size(); ++i)
-      takeForce(*group->springs[i], group->step.links.springs[i].force);
+      takeLink(*group->springs[i], group->step.links.springs[i]);
+    takeAnchors(*group, double(tick));
   }
   for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);
   reportJoints(*world, pairs, tick);

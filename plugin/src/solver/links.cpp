@@ -63,7 +63,7 @@ Vector3d arm(const LinkedBodies& bodies, const LinkEnd& end) {
 }
 
 Vector3d endVelocity(const LinkedBodies& bodies, const LinkEnd& end) {
-  if (end.kind == LinkEnd::Kind::World) return Vector3d::Zero();
+  if (end.kind == LinkEnd::Kind::World) return end.velocity;
   if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->velocity.col(end.point);
   return bodies.rigids[end.body].velocityAt(arm(bodies, end));
 }
@@ -174,6 +174,16 @@ void addLinkForces(LinkedBodies& bodies) {
     addForce(bodies, s.a, pull.force * pull.direction);
     addForce(bodies, s.b, -pull.force * pull.direction);
   }
+}
+
+void driftLinks(LinkedBodies& bodies, double dt) {
+  for (LinkSpring& s : bodies.springs)
+    for (LinkEnd* end : {&s.a, &s.b})
+      if (end->kind == LinkEnd::Kind::World) end->pivot += dt * end->velocity;
+}
+
+void sumAnchorImpulses(LinkedBodies& bodies) {
+  for (LinkAnchor& anchor : bodies.anchors) anchor.impulse += anchor.positionImpulse + anchor.velocityImpulse;
 }
 
 void dampLinks(LinkedBodies& bodies, double dt, bool forward) {

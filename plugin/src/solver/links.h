@@ -69,6 +69,7 @@ struct LinkEnd {
   std::uint32_t body = 0;                           ///< index into LinkedBodies::points or rigids
   std::uint32_t point = 0;                          ///< for a Point
   Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  ///< m; local to a Rigid, in world coordinates for World
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s of a World end, constant over a tick
 };
 
 /// A single spring between two ends, with the properties of SpringSettings.
@@ -89,8 +90,9 @@ struct LinkAnchor {
       Eigen::Vector3d::Zero();  ///< its drift and after it; initially the warm start
 
   // Written by the step.
-  Eigen::Vector3d apart = Eigen::Vector3d::Zero();  ///< m, target offset of the point from the pivot
-  Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();   ///< kg, impulse on the point per velocity
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on the point, sum over the tick
+  Eigen::Vector3d apart = Eigen::Vector3d::Zero();    ///< m, target offset of the point from the pivot
+  Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();     ///< kg, impulse on the point per velocity
   Eigen::Vector3d direction = Eigen::Vector3d::Zero(), change = Eigen::Vector3d::Zero();  ///< scratch
 };
 
@@ -108,6 +110,12 @@ struct LinkedBodies {
 
 /// Adds the force of every link to both its ends and stores its direction.
 void addLinkForces(LinkedBodies& bodies);
+
+/// Moves the ends in the world for `dt` seconds.
+void driftLinks(LinkedBodies& bodies, double dt);
+
+/// Adds the anchors' impulses of a substep to those of the tick.
+void sumAnchorImpulses(LinkedBodies& bodies);
 
 /// Applies the link dampers for `dt` seconds, see dampingImpulse().
 void dampLinks(LinkedBodies& bodies, double dt, bool forward);

@@ -151,6 +151,7 @@ void kick(SolverIsland& group, double dt) {
 void drift(SolverIsland& group, double dt) {
   for (BatchedBody& body : group.inStep) drift(body, dt);
   for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
+  driftLinks(group.links, dt);
 }
 
 void damp(SolverIsland& group, double dt, bool whole, bool forward) {
@@ -178,6 +179,7 @@ void prepare(SolverIsland& group) {
     if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.views[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
+  for (LinkAnchor& anchor : group.links.anchors) anchor.impulse.setZero();
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
   prepareConstraints(group.pairs, group.links, group.views);
@@ -217,6 +219,7 @@ void stepLinked(SolverIsland& group, double tick, int substeps) {
     solveVelocities(group);
     followContacts(group.pairs, 0.0);
     solveVelocities(group.pairs, group.links);
+    sumAnchorImpulses(group.links);
     // the half dampings of two successive substeps act at the same positions, so a full one replaces them
     damp(group, dt, !last, s % 2 == 0);
   }
