@@ -243,6 +243,47 @@ TEST(Change, whatYieldedStaysYielded) {
   EXPECT_NEAR((world.body->position(1) - world.body->position(0)).norm(), 1.0, 1e-3);
 }
 
+TEST(PresentNetwork, aDentIsTheRestShapeOfAnotherBody) {
+  SoftBodySettings s = test::testedSettings();
+  s.elasticLimit.yieldStrain = 0.02;
+  s.damping = 5.0;
+  s.scale = {1.0, 2.0, 0.5};
+  s.rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+  World world(0.0, s);
+  for (std::uint32_t i = 0; i < world.body->pointCount(); ++i) world.body->pin(i);
+  world.body->movePin(0, world.body->point(0)->getWorldTransform().getOrigin() + vec(0.2, 0.2, 0.2));
+  world.bullet.simulate(0.5);
+  for (std::uint32_t i = 0; i < world.body->pointCount(); ++i) world.body->unpin(i);
+  world.bullet.simulate(5.0);
+  const auto dented = world.body->presentNetwork();
+  ASSERT_TRUE(dented) << dented.error();
+  const double change = ((*dented)->restPoints[0] - (*dented)->restPoints[1]).norm() -
+                        (world.body->network().restPoints[0] - world.body->network().restPoints[1]).norm();
+  EXPECT_GT(std::abs(change), 0.01);
+  SoftBody* other = *world.system.createBody(*fromBytes(toBytes(**dented).data(), toBytes(**dented).size()),
+                                             world.body->settings());
+  ASSERT_TRUE(other->reset(world.body->transform()));
+  EXPECT_LT(other->elasticEnergy(), 1e-6);
+  for (std::uint32_t i = 0; i < other->pointCount(); ++i)
+    EXPECT_LT((other->position(i) - world.body->position(i)).norm(), 1e-4) << i;
+}
+
+TEST(PresentNetwork, brokenSpringsAreMissing) {
+  SoftBodySettings s = test::testedSettings();
+  s.elasticLimit.breakStrain = 0.1;
+  World world(0.0, s, *withGroup(*test::closedCubeNetwork(), "all", {0, 1, 2, 3, 4, 5, 6, 7}));
+  world.body->pin(0);
+  world.body->pin(1);
+  world.body->movePin(1, world.body->point(1)->getWorldTransform().getOrigin() + vec(0.5, 0.5, 0.5));
+  world.bullet.simulate(0.2);
+  const auto present = world.body->presentNetwork();
+  ASSERT_TRUE(present) << present.error();
+  const std::size_t left = (*present)->springs.size();
+  EXPECT_LT(left, world.body->network().springs.size());
+  ASSERT_EQ((*present)->groups[0].springs.size(), left);
+  for (std::uint32_t i = 0; i < left; ++i) EXPECT_EQ((*present)->groups[0].springs[i], i);
+}
+
 TEST(Change, errorsChangeNothing) {
   World world;
   const auto errorOf = [&](const std::function<void(SoftBodySettings&)>& edit) {

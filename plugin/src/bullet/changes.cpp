@@ -17,6 +17,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -133,6 +135,43 @@ Result<void> resetBody(SoftBodyData& body, const Placement* at) {
 }
 
 }  // namespace
+
+namespace {
+
+/// Takes the springs for which isGone(spring) is true from the network and its groups.
+template <class Test>
+void removeSprings(SpringNetwork& network, Test isGone) {
+  constexpr std::uint32_t kGone = 0xffffffffu;
+  std::vector<std::uint32_t> newIndex;
+  std::vector<NetworkSpring> kept;
+  for (const NetworkSpring& spring : network.springs) {
+    const bool gone = isGone(spring);
+    newIndex.push_back(gone ? kGone : static_cast<std::uint32_t>(kept.size()));
+    if (!gone) kept.push_back(spring);
+  }
+  network.springs = std::move(kept);
+  for (NamedGroup& group : network.groups) {
+    for (std::uint32_t& spring : group.springs) spring = newIndex[spring];
+    group.springs.erase(std::remove(group.springs.begin(), group.springs.end(), kGone), group.springs.end());
+  }
+}
+
+}  // namespace
+
+Result<SharedNetwork> SoftBody::presentNetwork() const {
+  readFromBullet(*data_);
+  SpringNetwork shape = network();
+  const Placement at = placementOf(*data_);
+  for (std::uint32_t i = 0; i < pointCount(); ++i)
+    shape.restPoints[i] = (at.rotation.conjugate() * (data_->state.position.col(i) - at.center))
+                              .cwiseQuotient(settings().scale);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> broken;
+  for (std::size_t i = 0; data_->springs.broken > 0 && i < data_->springs.size(); ++i)
+    if (isBroken(data_->springs, i)) broken.emplace(std::minmax(data_->springs->a[i], data_->springs->b[i]));
+  removeSprings(shape, [&](const NetworkSpring& s) { return broken.count({s.a, s.b}) > 0; });
+  if (Result<void> valid = validate(shape); !valid) return Error{valid.error()};
+  return std::make_shared<const SpringNetwork>(std::move(shape));
+}
 
 btTransform SoftBody::transform() const {
   readFromBullet(*data_);
