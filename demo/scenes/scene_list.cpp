@@ -25,6 +25,7 @@ const std::vector<SceneEntry>& sceneList() {
        &createDent, 3},
       {"tear", "a heavy ball falls on a stretched sheet and tears it", 10.0, false, &createTear, 1},
       {"cut", "a blade cuts a hanging cloth, two planes cut a block of jelly", 10.0, false, &createCut, 2},
+      {"skeleton", "a dancer turns in a dress that the bones carry", 9.0, false, &createSkeleton},
   };
   return kScenes;
 }

@@ -36,6 +36,7 @@ SceneResult createFlag(const SceneOptions& options);
 SceneResult createPool(const SceneOptions& options);
 SceneResult createDent(const SceneOptions& options);
 SceneResult createTear(const SceneOptions& options);
+SceneResult createSkeleton(const SceneOptions& options);
 SceneResult createCut(const SceneOptions& options);
 
 }  // namespace limber::scenes

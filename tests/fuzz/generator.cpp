@@ -465,11 +465,15 @@ void Writer::surroundings(int frames) {
 void Writer::changes(int frames) {
   Dice dice(story_.seed + 0xc4a6);
   for (Step& s : story_.steps)
-    if (s.kind == Kind::Soft && s["break"] > 0.0 && dice.chance(0.6)) s.set("tear", 1);
+    if (s.kind == Kind::Soft && s["break"] > 0.0 && dice.chance(0.6))
+      s.set("tear", 1);
+    else if (s.kind == Kind::Attach && dice.chance(0.3))
+      s.set("break", dice.decades(0.1, 1e4));
   for (int i = dice.of({0, 0, 2, 4, 8}); i > 0; --i) {
     Step s(Kind::Change, dice.chance(0.2) ? 0 : dice.below(frames));
     s.choose("what", dice.of({"settings", "settings", "settings", "place", "motion", "reset", "push", "push",
-                              "pin", "save", "restore", "clone", "cut", "blade"}));
+                              "pin", "save", "restore", "clone", "cut", "blade", "bones", "bones", "bones",
+                              "release", "present"}));
     s.set("of", softs_[static_cast<std::size_t>(dice.below(int(softs_.size())))])
         .set("variant", dice.below(500))
         .set("factor", dice.decades(0.1, 10));

@@ -136,7 +136,8 @@ std::vector<KindInfo> userKinds() {
                          sizes("pivot-a", 0, kLength), sizes("pivot-b", 0, kLength), number("system")})},
       {"change-spring", spring({reference("of")})},
       {"attach",
-       {reference("of"), number("point"), reference("to"), number("pivoted"), sizes("pivot", 0, kLength)}},
+       {reference("of"), number("point"), reference("to"), number("pivoted"), sizes("pivot", 0, kLength),
+        number("break", 0, kStiffness)}},
       {"detach", {reference("of"), number("point")}},
       {"forget", {reference("of")}},
       {"pin", {reference("of"), number("point")}},
@@ -175,7 +176,9 @@ std::vector<KindInfo> userKinds() {
        {choice("what", "air gusts vacuum water dry field no-field"), number("system"), vector("flow", kSpeed),
         number("level", 0, kLength), reference("of")}},
       {"change",
-       {reference("of"), choice("what", "settings place motion reset push pin save restore clone cut blade"),
+       {reference("of"),
+        choice("what",
+               "settings place motion reset push pin save restore clone cut blade bones release present"),
         number("variant"), number("factor", 1), vector("by", kLength), axial("spin", kSpin),
         rotation("rotation")}}};
 }

@@ -217,9 +217,9 @@ void WorldPlayer::touchSprings(const Step& s) {
   RigidObject* partner = rigid(s.whole("to"));
   if (!partner) return;
   if (s.is("pivoted"))
-    (void)system->attach(object->body, point, *partner->body, toBt(s.vec("pivot")));
+    (void)system->attach(object->body, point, *partner->body, toBt(s.vec("pivot")), s["break"]);
   else
-    (void)system->attach(object->body, point, *partner->body);
+    (void)system->attach(object->body, point, *partner->body, s["break"]);
 }
 
 void WorldPlayer::touchPoints(const Step& s) {

@@ -3,6 +3,7 @@
 #include "fuzz/world_player.h"
 
 #include <limber/contacts.h>
+#include <limber/skeleton.h>
 
 namespace limber::fuzz {
 namespace {
@@ -95,6 +96,29 @@ void WorldPlayer::changeSoft(const Step& s) {
     cutByBlade(*body, to, s["factor"]);
   else if (what == "clone" && phase_ == Phase::Between)
     static_cast<void>(systemOf(soft(s.whole("of"))->system)->clone(body, to));
+  else if (what == "bones" || what == "release")
+    carrySoft(*body, s, what == "release");
+  else if (what == "present")
+    static_cast<void>(body->presentNetwork());
+}
+
+/// Binds every third point to a bone that is first at the body's place, some with limits; then moves the
+/// bone.
+void WorldPlayer::carrySoft(SoftBody& body, const Step& s, bool release) {
+  const int id = s.whole("of"), variant = s.whole("variant");
+  const auto held = skeletons_.find(id);
+  if (release && held != skeletons_.end()) return held->second.release();
+  const std::vector<btTransform> bones = {btTransform(
+      rotationOf(0.1 * s.vec("rotation")), body.transform().getOrigin() + toBt(0.2 * s.vec("by")))};
+  if (held != skeletons_.end()) return static_cast<void>(held->second.moveTo(bones, variant % 5 == 0));
+  std::vector<BoundPoint> points;
+  for (std::uint32_t i = static_cast<std::uint32_t>(variant % 3); i < body.pointCount(); i += 3) {
+    const double limit = i % 2 ? 0.05 * s["factor"] : 0.0;
+    points.push_back({i, {{0, 1.0}}, limit, limit > 0.0 && !body.network().surface.empty() ? 0.0 : -1.0});
+  }
+  SoftBodySystem& system = *systemOf(soft(id)->system);
+  if (auto skeleton = Skeleton::bind(system, body, points, {body.transform()}))
+    skeletons_.emplace(id, std::move(*skeleton));
 }
 
 void WorldPlayer::pushSoft(SoftBody& body, const Step& s, std::uint32_t point) {
