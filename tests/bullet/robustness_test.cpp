@@ -552,5 +552,83 @@ TEST(BetweenTicks, aSleeperWhosePointWasMovedWakesThoughItWasRead) {
   EXPECT_FALSE(body->sleeping());
 }
 
+// --- pins of two bodies in one place -----------------------------------------------------------------------
+
+/// Two cloths of 1 kg whose edges are held next to each other, and the largest energies while they fall.
+struct HeldNearby {
+  double kinetic = 0.0, total = 0.0;  ///< J, above the start
+  unsigned restorations = 0;
+
+  explicit HeldNearby(double apart, bool attached) {
+    BulletWorld bullet(-10.0);
+    SoftBodySystem system(*bullet.world);
+    ClothSettings shape;
+    shape.columns = shape.rows = 6;
+    btRigidBody* rail = bullet.addBox(vec(0.01, 0.01, 0.01), 0.0, vec(0, 5, 0));
+    for (int k = 0; k < 2; ++k) {
+      SoftBodySettings s = test::testedSettings();
+      s.pointRadius = 0.01;
+      s.position = {0, apart * k, 0};
+      SoftBody* cloth = *system.createBody(*buildCloth(shape), s);
+      for (std::uint32_t i = 0; i < 7; ++i)
+        EXPECT_TRUE(attached ? system.attach(cloth, i, *rail) : cloth->pin(i));
+    }
+    const double start = energyOf(system);
+    for (int i = 0; i < 60; ++i) {
+      bullet.tick();
+      total = std::max(total, energyOf(system) - start);
+      for (std::size_t b = 0; b < 2; ++b) {
+        kinetic = std::max(kinetic, system.body(b)->kineticEnergy());
+        restorations += system.body(b)->restorations();
+      }
+    }
+  }
+
+  static double energyOf(const SoftBodySystem& system) {
+    double sum = 0.0;
+    for (std::size_t b = 0; b < system.bodyCount(); ++b) {
+      const SoftBody& body = *system.body(b);
+      sum += body.kineticEnergy() + body.elasticEnergy() + 10.0 * body.totalMass() * body.centerOfMass().y();
+    }
+    return sum;
+  }
+};
+
+TEST(PinsNearby, contactsBetweenHeldPointsPushNothing) {
+  for (const bool attached : {false, true})
+    for (const double apart : {0.0, 1e-6, 1e-4, 1e-3, 0.015}) {
+      const HeldNearby cloths(apart, attached);
+      // a cloth that swings down by 1 m falls by about half a metre: 5 J
+      EXPECT_LT(cloths.kinetic, 6.0) << apart << (attached ? " attached" : " pinned");
+      // overlaps of up to two radii are pushed apart, which strains the cloths
+      EXPECT_LT(cloths.total, 1.0) << apart << (attached ? " attached" : " pinned");
+      EXPECT_EQ(cloths.restorations, 0u);
+    }
+}
+
+TEST(PinsNearby, pinsOfTwoCubesMoveToOnePlace) {
+  for (const double apart : {0.0, 1e-6, 1e-4, 1e-3, 0.015}) {
+    BulletWorld bullet(-10.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    SoftBody* a = *system.createBody(test::closedCubeNetwork(), s);
+    s.position = {0, 1.5, 0};
+    s.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
+    SoftBody* b = *system.createBody(test::closedCubeNetwork(), s);
+    ASSERT_TRUE(a->pin(0));
+    ASSERT_TRUE(b->pin(0));
+    const Eigen::Vector3d target = a->position(0) + Eigen::Vector3d(apart, 0, 0);
+    ASSERT_TRUE(b->movePin(0, vec(target.x(), target.y(), target.z())));
+    double fastest = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      bullet.tick();
+      for (std::uint32_t k = 1; k < 8; ++k) fastest = std::max(fastest, b->velocity(k).norm());
+    }
+    // the pin moves by 2 m in a tick: 120 m/s
+    EXPECT_LT(fastest, 240.0) << apart;
+    EXPECT_EQ(a->restorations() + b->restorations(), 0u);
+  }
+}
+
 }  // namespace
 }  // namespace limber

@@ -136,28 +136,79 @@ void disable(ContactConstraint& row) { row.mass = row.mobility = 0.0; }
 /// Least sum of the weights of the free corners of an edge or triangle.
 constexpr double kMinFreeWeight = 0.02;
 
+/// One side of a contact: its corners, or what is static or kinematic.
+struct ContactCorners {
+  std::uint32_t first, end;  ///< into `points`; empty: static or kinematic
+  double sign;
+  double free = 0.0;    ///< sum of the weights of corners that can move
+  bool pinned = false;  ///< one cannot
+  double height = 0.0;  ///< m along the normal, of the point in contact
+};
+
+bool isPinned(const IslandConstraints& rows, std::uint32_t i) {
+  const double* inverseMass = rows.momentArms[i].inverseMass;
+  return inverseMass && ConstMap(inverseMass).isZero(0.0);
+}
+
+double heightOf(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t i) {
+  const double* position = rows.momentArms[i].position;
+  return position ? ConstMap(row.axes[0]).dot(ConstMap(position)) : 0.0;
+}
+
+ContactCorners cornersOf(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t first,
+                         std::uint32_t end, double sign) {
+  ContactCorners side{first, end, sign};
+  for (std::uint32_t i = first; i < end; ++i) {
+    side.height += sign * rows.points[i].share * heightOf(rows, row, i);
+    if (isPinned(rows, i))
+      side.pinned = true;
+    else
+      side.free += sign * rows.points[i].share;
+  }
+  return side;
+}
+
+/// A corner that cannot be moved.
+struct PinnedCorner {
+  double weight;
+  double height = 0.0;  ///< m, above the point in contact
+  Vector3d velocity;    ///< m/s, along the row's axes
+};
+
+template <class Visit>
+void forEachPinned(const IslandConstraints& rows, const ContactConstraint& row, const ContactCorners& side,
+                   Visit visit) {
+  const Vector3d surface(row.surfaceSpeeds.n, row.surfaceSpeeds.u, row.surfaceSpeeds.v);
+  if (side.first == side.end) visit(PinnedCorner{1.0, 0.0, side.sign * surface});
+  for (std::uint32_t i = side.first; i < side.end; ++i)
+    if (isPinned(rows, i))
+      visit(PinnedCorner{side.sign * rows.points[i].share, heightOf(rows, row, i) - side.height,
+                         inAxes(row, ConstMap(rows.points[i].velocity))});
+}
+
 /// Excludes the overlap of pinned corners from the gap, because no impulse can remove it. The overlap falls
 /// linearly from d at a pinned corner to 0 at a free one. To remove it at a point where the free corner has a
-/// small weight e, that corner would have to move by d / e. So each free corner removes only its own overlap.
-/// A contact with less than kMinFreeWeight on free corners is disabled.
+/// small weight e, that corner would have to move by d / e. So each free corner removes only its own overlap,
+/// and likewise stops only its own approach and sliding. A contact with less than kMinFreeWeight on the free
+/// corners of either side is disabled. Pins take up angular momentum, so no couple is balanced.
 void excludePinned(IslandConstraints& rows, ContactConstraint& row) {
   row.pinned = 0.0;
-  const bool bMoves = row.firstOfB != row.endPoint || row.firstRotation != row.endRotation;
-  if (bMoves || row.firstOfB - row.firstPoint < 2) return;
-  const ConstMap normal(row.axes[0]);
-  double height = 0.0, free = 0.0;
-  const auto isPinned = [&](std::uint32_t i) { return ConstMap(rows.momentArms[i].inverseMass).isZero(0.0); };
-  for (std::uint32_t i = row.firstPoint; i < row.firstOfB; ++i) {
-    height += rows.points[i].share * normal.dot(ConstMap(rows.momentArms[i].position));
-    if (!isPinned(i)) free += rows.points[i].share;
-  }
-  if (free < kMinFreeWeight) return disable(row);
-  for (std::uint32_t i = row.firstPoint; i < row.firstOfB; ++i) {
-    if (!isPinned(i)) continue;
-    const double gap = row.gap + normal.dot(ConstMap(rows.momentArms[i].position)) - height;
-    row.pinned += rows.points[i].share * std::min(0.0, gap);
-  }
+  if (row.firstRotation != row.endRotation) return;
+  const ContactCorners a = cornersOf(rows, row, row.firstPoint, row.firstOfB, 1.0);
+  const ContactCorners b = cornersOf(rows, row, row.firstOfB, row.endPoint, -1.0);
+  if (a.pinned || b.pinned) row.couple = Couple::None;
+  if (std::max(a.free, b.free) < kMinFreeWeight) return disable(row);
+  Vector3d speeds = Vector3d::Zero();
+  forEachPinned(rows, row, a, [&](const PinnedCorner& ofA) {
+    forEachPinned(rows, row, b, [&](const PinnedCorner& ofB) {
+      const double weight = ofA.weight * ofB.weight;
+      const Vector3d speed = ofA.velocity - ofB.velocity;
+      row.pinned += weight * std::min(0.0, row.gap + ofA.height - ofB.height);
+      speeds += weight * Vector3d(std::min(0.0, speed.x()), speed.y(), speed.z());
+    });
+  });
   row.gap -= row.pinned;
+  row.surfaceSpeeds += {-speeds.x(), -speeds.y(), -speeds.z()};
 }
 
 void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& c, LinkedBodies& bodies,
