@@ -3,6 +3,7 @@
 
 #include "number_checks.h"
 #include "scenes/scene_list.h"
+#include "window/command.h"
 
 #include <CLI/CLI.hpp>
 
@@ -17,6 +18,7 @@ namespace limber::demo {
 namespace {
 
 constexpr double kMaxSeconds = 3600.0;
+constexpr const char* kWindowSize = "1280x720";
 
 std::vector<std::string> sceneNames() {
   std::vector<std::string> names;
@@ -39,6 +41,7 @@ struct CommandLine {
   std::string mode = "shaded";
   std::string camera, overlay, context;
   std::string feel = "rubber";
+  std::vector<std::string> settings;
   bool braces = false, connect = false, noCache = false;
   const CLI::App* app = nullptr;
   CLI::Option* scene = nullptr;
@@ -103,6 +106,38 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
   app.add_flag("--list", line.list, "list the scenes");
 }
 
+void addWindowOptions(CLI::App& app, CommandLine& line) {
+  WindowOptions& w = line.options.window;
+  CLI::Option* window = app.add_flag("--window", w.open, "play with the scene in a window");
+  app.add_option("--set", line.settings, "NAME=VALUE of a setting of the window, as its title shows it")
+      ->needs(window)
+      ->allow_extra_args(false);
+  CLI::Option* record =
+      app.add_option("--record", w.record, "write all that is done in the window to this file")
+          ->needs(window);
+  app.add_option("--replay", w.replay, "do it again; with --mode none without a window")->excludes(record);
+  app.add_option("--log", w.log, "write what happens in the window to this file")->needs(window);
+  app.add_option("--picture", w.picture, "write the window as PNG when it closes")->needs(window);
+}
+
+/// The same for the options of the window.
+std::string windowConflict(const CommandLine& line) {
+  const DemoOptions& o = line.options;
+  const bool replay = !o.window.replay.empty();
+  if (replay && !o.window.open && o.mode != PictureMode::None)
+    return "--replay needs --window, or --mode none to run without one";
+  for (const char* option : {"--scene", "--mesh", "--count", "--stiffness", "--damping", "--mass", "--scale",
+                             "--seed", "--feel", "--points", "--set", "--camera", "--overlay", "--size"})
+    if (replay && line.app->count(option) > 0)
+      return std::string(option) + " has no meaning with --replay: the recording has the scene and the view";
+  if (!o.window.open) return {};
+  for (const char* option : {"--fps", "--out", "--stats", "--context", "--no-video", "--no-preview"})
+    if (line.app->count(option) > 0) return std::string(option) + " has no meaning with --window";
+  if (o.mode == PictureMode::None) return "--mode none has no meaning with --window";
+  if (o.camera.path == CameraPath::Orbit) return "--camera orbit has no meaning with --window";
+  return {};
+}
+
 /// Returns the reason why valid options do not fit together, or an empty string.
 std::string conflict(const CommandLine& line) {
   const DemoOptions& o = line.options;
@@ -118,7 +153,11 @@ std::string conflict(const CommandLine& line) {
   if (const std::uint32_t bodies = scenes::findScene(o.scene)->bodies; o.sceneOptions.count && bodies > 0)
     return "--count has no meaning in the scene " + o.scene + ", which always has as many bodies";
   if (o.mode == PictureMode::None && line.out->count() > 0) return "--out has no meaning with --mode none";
-  return {};
+  for (const std::string& text : line.settings) {
+    std::vector<Command> unused;
+    if (const std::string reason = parseSetting(text, unused); !reason.empty()) return "--set: " + reason;
+  }
+  return windowConflict(line);
 }
 
 /// Sets the values that depend on other options.
@@ -137,8 +176,13 @@ void complete(CommandLine& line) {
   if (!line.noCache) o.sceneOptions.cacheFolder = "out/cooked";
   o.video = !line.noVideo;
   o.preview = !line.noPreview;
-  parseSize(line.size, o.width, o.height);
   if (!o.sceneOptions.meshFile.empty() && line.scene->count() == 0) o.scene = "mesh";
+  for (const std::string& text : line.settings) parseSetting(text, o.window.settings);
+  if (o.window.open) {
+    o.window.seconds = o.seconds;
+    if (line.app->count("--size") == 0) line.size = kWindowSize;
+  }
+  parseSize(line.size, o.width, o.height);
   if (o.seconds == 0.0) o.seconds = scenes::findScene(o.scene)->seconds;
   if (o.outFolder.empty()) o.outFolder = "out/" + o.scene;
 }
@@ -146,13 +190,15 @@ void complete(CommandLine& line) {
 }  // namespace
 
 ParsedOptions parseOptions(int argc, char** argv) {
-  CLI::App app("Soft bodies in a Bullet world, drawn without a window.", "limber-demo");
+  CLI::App app("Soft bodies in a Bullet world, drawn without a window, or in one with --window.",
+               "limber-demo");
   app.footer(
       "Exit codes: 0 fine, 1 something failed, 2 wrong command line, 3 the scene did not end as it should.");
   CommandLine line;
   line.app = &app;
   addSceneOptions(app, line);
   addRunOptions(app, line);
+  addWindowOptions(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -219,6 +265,15 @@ std::string parseOverlay(const std::string& text, OverlayChoice& choice) {
       return "\"" + part + "\" is not one of contacts, velocities, boxes, constraints";
   }
   return text.empty() ? "nothing is asked for: say none" : std::string();
+}
+
+std::string parseSetting(const std::string& text, std::vector<Command>& commands) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return text + " is not of the form NAME=VALUE";
+  const Result<Command> command =
+      parseCommand("set " + text.substr(0, equals) + " " + text.substr(equals + 1));
+  if (command) commands.push_back(*command);
+  return command.error();
 }
 
 std::string parseContext(const std::string& text, render::ContextDesc& desc) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include "scenes/scene.h"
+#include "window/command.h"
 
 #include <limber/render/gl_context.h>
 
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace limber::demo {
 
@@ -28,6 +30,16 @@ struct OverlayChoice {
   bool contacts = false, velocities = false, boxes = false, constraints = false;
 };
 
+/// The interactive window.
+struct WindowOptions {
+  bool open = false;
+  std::string record, replay;     ///< files of all commands; empty: none
+  std::string log;                ///< file of what happens; empty: none
+  std::string picture;            ///< PNG of the window when it closes; empty: none
+  double seconds = 0.0;           ///< of simulated time, after which it closes; 0: the user closes it
+  std::vector<Command> settings;  ///< to begin with
+};
+
 /// The scene of a run, and its output.
 struct DemoOptions {
   std::string scene = "cubes";
@@ -44,6 +56,7 @@ struct DemoOptions {
   std::string statsFile;  ///< empty: none
   bool video = true;      ///< if ffmpeg is installed
   bool preview = true;
+  WindowOptions window;
 };
 
 /// 1: the input cannot be used or something failed; 2: the command line is wrong; 3: the end check failed.
@@ -60,6 +73,9 @@ std::string parseCamera(const std::string& text, CameraChoice& choice);
 
 /// none, or some of contacts, velocities, boxes and constraints with commas.
 std::string parseOverlay(const std::string& text, OverlayChoice& choice);
+
+/// NAME=VALUE of a setting of the window; appends the command that sets it.
+std::string parseSetting(const std::string& text, std::vector<Command>& commands);
 
 /// auto, osmesa, egl, egl:N for the Nth EGL device, or surfaceless for EGL without devices.
 std::string parseContext(const std::string& text, render::ContextDesc& desc);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demo_options.h"
 #include "run_demo.h"
+#include "window/run_window.h"
 
 #include <csignal>
 #include <cstdio>
@@ -15,6 +16,12 @@ void stopAt(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
+limber::demo::ExitCode run(const limber::demo::DemoOptions& options) {
+  if (options.window.open) return limber::demo::runWindow(options);
+  if (!options.window.replay.empty()) return limber::demo::runReplay(options);
+  return limber::demo::runDemo(options);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -24,7 +31,7 @@ int main(int argc, char** argv) {
   try {
     const ParsedOptions parsed = parseOptions(argc, argv);
     if (const ExitCode* exitCode = std::get_if<ExitCode>(&parsed)) return *exitCode;
-    return runDemo(std::get<DemoOptions>(parsed));
+    return run(std::get<DemoOptions>(parsed));
   } catch (const Stopped&) {
     std::fprintf(stderr, "limber-demo: stopped\n");
     return 128 + stopSignal;  // the usual exit code of shells

@@ -5,6 +5,7 @@
 
 #include <limber/view/velocity_arrows.h>
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace limber::demo {
@@ -49,10 +50,15 @@ view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId che
 }
 
 view::RigidView::Look rigidLooks(const scenes::Scene& scene) {
-  std::unordered_map<const btCollisionObject*, render::InstanceLook> looks;
-  for (const scenes::RigidLook& look : scene.rigidLooks) looks[look.body] = {toVec3(look.colour), {}};
-  return [looks = std::move(looks)](const btCollisionObject& object) { return looks.at(&object); };
+  return [&scene](const btCollisionObject& object) {
+    const auto& looks = scene.rigidLooks;
+    const auto look = std::find_if(looks.begin(), looks.end(),
+                                   [&object](const scenes::RigidLook& one) { return one.body == &object; });
+    return render::InstanceLook{toVec3(look->colour), {}};
+  };
 }
+
+namespace {
 
 render::Image checkerTexture() {
   constexpr int kSquares = 8, kSquarePixels = 32;
@@ -68,6 +74,13 @@ render::Image checkerTexture() {
     }
   }
   return image;
+}
+
+}  // namespace
+
+render::TextureId addCheckerTexture(render::Renderer& renderer) {
+  const render::Image image = checkerTexture();
+  return renderer.addTexture(image.width, image.height, image.rgba.data());
 }
 
 namespace {
@@ -91,15 +104,14 @@ constexpr int kActionModes =
 
 }  // namespace
 
-SceneOverlay::SceneOverlay(const scenes::Scene& scene, const OverlayChoice& choice)
-    : scene_(scene), choice_(choice) {
-  drawer_.setDebugMode(modeOf(choice));
+SceneOverlay::SceneOverlay(const scenes::Scene& scene) : scene_(scene) {
   drawer_.contactSize = static_cast<float>(kContactSize * viewRadius(scene.view));
 }
 
-const render::Overlay& SceneOverlay::draw(render::Vec3 eye) {
+render::Overlay& SceneOverlay::draw(const OverlayChoice& choice, render::Vec3 eye) {
   drawer_.overlay.clear();
-  const int mode = drawer_.getDebugMode();
+  const int mode = modeOf(choice);
+  drawer_.setDebugMode(mode);
   if (mode != btIDebugDraw::DBG_NoDebug) {
     btDiscreteDynamicsWorld& world = scene_.world->dynamics;
     world.setDebugDrawer(&drawer_);
@@ -107,7 +119,7 @@ const render::Overlay& SceneOverlay::draw(render::Vec3 eye) {
     world.setDebugDrawer(nullptr);
     if ((mode & kActionModes) == 0) scene_.soft->debugDraw(drawer_);
   }
-  if (choice_.velocities) {
+  if (choice.velocities) {
     for (std::size_t b = 0; b < scene_.soft->bodyCount(); ++b)
       view::addVelocities(drawer_.overlay, *scene_.soft->body(b), kVelocityArrows, eye);
   }
@@ -118,6 +130,57 @@ namespace {
 
 const render::Vec3 kFloorColour{0.78f, 0.79f, 0.82f};
 
+/// Hanging and resting bodies of the scenes have strains of a few per cent.
+constexpr float kStrainRange = 0.03f;
+
+render::DrawOptions drawOptions(const Shot& shot) {
+  render::DrawOptions draw;
+  if (shot.mode == PictureMode::Wireframe) draw.mode = render::DrawMode::Wireframe;
+  draw.strainRange = kStrainRange;
+  if (shot.overlay.velocities) draw.legends = {view::speedLegend(kVelocityArrows)};
+  return draw;
+}
+
+}  // namespace
+
+SceneView::SceneView(const scenes::Scene& scene, render::Renderer& renderer, render::TextureId checker)
+    : scene_(scene),
+      renderer_(renderer),
+      softBodies_(renderer, *scene.soft, softLooks(scene, checker)),
+      rigidBodies_(renderer, scene.world->dynamics, rigidLooks(scene)),
+      floor_(addFloor()),
+      overlay_(scene) {}
+
+SceneView::~SceneView() {
+  renderer_.removeInstance(floor_);
+  renderer_.removeShape(floorShape_);
+}
+
+render::InstanceId SceneView::addFloor() {
+  const render::Vec3 middle{0.0f, static_cast<float>(scene_.floor.height), 0.0f};
+  const float halfSize = static_cast<float>(scene_.floor.halfSize);
+  const render::RigidShape floor = render::makeRigid(render::makeFloor(middle, halfSize));
+  floorScale_ = floor.reach;
+  floorShape_ = renderer_.addShape(floor.shape);
+  return renderer_.addInstance(floorShape_, {kFloorColour, {}});
+}
+
+void SceneView::draw(const Shot& shot) {
+  softBodies_.update();
+  rigidBodies_.update();
+  render::FrameWriter frame = renderer_.beginFrame();
+  render::writeFrame(floorScale_, {}, frame.points(floor_));
+  softBodies_.write(frame, shot.tickFraction);
+  rigidBodies_.write(frame, shot.tickFraction, 1.0 / static_cast<double>(scenes::kTicksPerSecond));
+  render::Overlay& lines = overlay_.draw(shot.overlay, shot.camera.eye);
+  lines.insert(lines.end(), shot.marks.begin(), shot.marks.end());
+  render::Light light = lightOf(scene_.view);
+  light.shadows = shot.shadows;
+  renderer_.draw(frame, shot.camera, light, drawOptions(shot), lines);
+}
+
+namespace {
+
 render::RendererDesc rendererDesc(const scenes::Scene& scene, const DemoOptions& options) {
   render::RendererDesc desc;
   desc.width = options.width;
@@ -127,21 +190,6 @@ render::RendererDesc rendererDesc(const scenes::Scene& scene, const DemoOptions&
   return desc;
 }
 
-render::TextureId addTexture(render::Renderer& renderer, const render::Image& image) {
-  return renderer.addTexture(image.width, image.height, image.rgba.data());
-}
-
-/// Hanging and resting bodies of the scenes have strains of a few per cent.
-constexpr float kStrainRange = 0.03f;
-
-render::DrawOptions drawOptions(const DemoOptions& options) {
-  render::DrawOptions draw;
-  if (options.mode == PictureMode::Wireframe) draw.mode = render::DrawMode::Wireframe;
-  draw.strainRange = kStrainRange;
-  if (options.overlay.velocities) draw.legends = {view::speedLegend(kVelocityArrows)};
-  return draw;
-}
-
 }  // namespace
 
 SceneRenderer::SceneRenderer(const scenes::Scene& scene, const DemoOptions& options)
@@ -149,29 +197,15 @@ SceneRenderer::SceneRenderer(const scenes::Scene& scene, const DemoOptions& opti
       options_(options),
       context_(render::createContext(options.context)),
       renderer_(*context_, rendererDesc(scene, options)),
-      checker_(addTexture(renderer_, checkerTexture())),
-      softBodies_(renderer_, *scene.soft, softLooks(scene, checker_)),
-      rigidBodies_(renderer_, scene.world->dynamics, rigidLooks(scene)),
-      floor_(addFloor()),
-      overlay_(scene, options.overlay) {}
-
-render::InstanceId SceneRenderer::addFloor() {
-  const render::Vec3 middle{0.0f, static_cast<float>(scene_.floor.height), 0.0f};
-  const float halfSize = static_cast<float>(scene_.floor.halfSize);
-  const render::RigidShape floor = render::makeRigid(render::makeFloor(middle, halfSize));
-  floorScale_ = floor.reach;
-  return renderer_.addInstance(renderer_.addShape(floor.shape), {kFloorColour, {}});
-}
+      view_(scene, renderer_, addCheckerTexture(renderer_)) {}
 
 void SceneRenderer::draw(const Moment& moment, render::Image& image) {
-  softBodies_.update();
-  rigidBodies_.update();
-  render::FrameWriter frame = renderer_.beginFrame();
-  render::writeFrame(floorScale_, {}, frame.points(floor_));
-  softBodies_.write(frame, moment.tickFraction);
-  rigidBodies_.write(frame, moment.tickFraction, 1.0 / static_cast<double>(scenes::kTicksPerSecond));
-  const render::Camera camera = cameraAt(scene_.view, options_, moment.share);
-  renderer_.draw(frame, camera, lightOf(scene_.view), drawOptions(options_), overlay_.draw(camera.eye));
+  Shot shot;
+  shot.camera = cameraAt(scene_.view, options_, moment.share);
+  shot.tickFraction = moment.tickFraction;
+  shot.mode = options_.mode;
+  shot.overlay = options_.overlay;
+  view_.draw(shot);
   renderer_.readPixels(image);
 }
 

@@ -36,25 +36,61 @@ inline render::Vec3 toVec3(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z
 /// Return the looks of the scene's bodies; `checker` is the texture of checkered ones. The scene must outlive
 /// the result.
 view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId checker);
+/// It also knows the bodies that come into the scene later.
 view::RigidView::Look rigidLooks(const scenes::Scene& scene);
-
-/// Returns white and grey squares, which the colour of a body multiplies.
-render::Image checkerTexture();
 
 inline const view::VelocityArrows kVelocityArrows;
 
-/// The lines chosen by the options. Bullet's lines show the end of the last tick.
+/// Lines that show forces and bounds. Bullet's lines show the end of the last tick.
 class SceneOverlay {
  public:
-  SceneOverlay(const scenes::Scene& scene, const OverlayChoice& choice);
+  explicit SceneOverlay(const scenes::Scene& scene);
 
-  /// Returns the lines for a picture from `eye`; valid until the next call.
-  const render::Overlay& draw(render::Vec3 eye);
+  /// Returns the chosen lines for a picture from `eye`; the caller may add to them until the next call.
+  render::Overlay& draw(const OverlayChoice& choice, render::Vec3 eye);
 
  private:
   const scenes::Scene& scene_;
-  OverlayChoice choice_;
   view::DebugDrawer drawer_;
+};
+
+/// One picture of a scene.
+struct Shot {
+  render::Camera camera;
+  double tickFraction = 1.0;  ///< of the last tick
+  PictureMode mode = PictureMode::Shaded;
+  OverlayChoice overlay;
+  bool shadows = true;
+  render::Overlay marks;  ///< further lines
+};
+
+/// Returns white and grey squares, which the colour of a body multiplies, as a texture.
+render::TextureId addCheckerTexture(render::Renderer& renderer);
+
+/// Shows a scene with a renderer; both must outlive it. All members throw std::runtime_error with the reason
+/// if the driver fails.
+class SceneView {
+ public:
+  SceneView(const scenes::Scene& scene, render::Renderer& renderer, render::TextureId checker);
+  /// Removes all from the renderer.
+  ~SceneView();
+  SceneView(const SceneView&) = delete;
+  SceneView& operator=(const SceneView&) = delete;
+
+  /// Draws a picture; positions are written straight into memory that the GPU reads.
+  void draw(const Shot& shot);
+
+ private:
+  render::InstanceId addFloor();
+
+  const scenes::Scene& scene_;
+  render::Renderer& renderer_;
+  view::SoftView softBodies_;
+  view::RigidView rigidBodies_;
+  render::ShapeId floorShape_;
+  float floorScale_ = 1.0f;
+  render::InstanceId floor_;
+  SceneOverlay overlay_;
 };
 
 /// The time of a picture.
@@ -63,13 +99,11 @@ struct Moment {
   double share = 0.0;         ///< of the run, 0 to 1
 };
 
-/// Draws a scene, which must outlive it. All members throw std::runtime_error with the reason if the driver
-/// fails.
+/// Draws a scene, which must outlive it, in a context of its own. Errors as of SceneView.
 class SceneRenderer {
  public:
   SceneRenderer(const scenes::Scene& scene, const DemoOptions& options);
 
-  /// Draws a picture; positions are written straight into memory that the GPU reads.
   void draw(const Moment& moment, render::Image& image);
 
   std::size_t gpuBufferBytes() const { return renderer_.gpuBufferBytes(); }
@@ -78,18 +112,11 @@ class SceneRenderer {
   std::string driver() const;
 
  private:
-  render::InstanceId addFloor();
-
   const scenes::Scene& scene_;
   DemoOptions options_;
   std::unique_ptr<render::GlContext> context_;
   render::Renderer renderer_;
-  render::TextureId checker_;
-  view::SoftView softBodies_;
-  view::RigidView rigidBodies_;
-  float floorScale_ = 1.0f;
-  render::InstanceId floor_;
-  SceneOverlay overlay_;
+  SceneView view_;
 };
 
 }  // namespace limber::demo

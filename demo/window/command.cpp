@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Zlib
+#include "window/command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+
+namespace limber::demo {
+namespace {
+
+/// How an action is written.
+struct ActionInfo {
+  Action action;
+  const char* name;
+  bool hasWord;
+  std::size_t numbers;
+};
+
+constexpr ActionInfo kActions[] = {
+    {Action::Camera, "camera", false, 6}, {Action::Grab, "grab", false, 6},
+    {Action::Drag, "drag", false, 6},     {Action::Release, "release", false, 0},
+    {Action::Shoot, "shoot", false, 6},   {Action::Cut, "cut", false, 9},
+    {Action::Pin, "pin", false, 6},       {Action::Set, "set", true, 1},
+    {Action::Show, "show", true, 1},      {Action::Restart, "restart", false, 0},
+    {Action::Scene, "scene", true, 0}};
+
+const ActionInfo& infoOf(Action action) {
+  return *std::find_if(std::begin(kActions), std::end(kActions),
+                       [action](const ActionInfo& info) { return info.action == action; });
+}
+
+const ActionInfo* findAction(const std::string& name) {
+  const auto* found = std::find_if(std::begin(kActions), std::end(kActions),
+                                   [&name](const ActionInfo& info) { return name == info.name; });
+  return found == std::end(kActions) ? nullptr : found;
+}
+
+template <class List>
+bool hasName(const List& list, const std::string& name) {
+  return std::any_of(list.begin(), list.end(), [&name](const auto& info) { return name == info.name; });
+}
+
+Result<double> parseFinite(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) return Error{text + " is not a finite number"};
+  return value;
+}
+
+/// Returns the reason why the word or its value does not suit the action, or an empty string.
+std::string wordProblem(const Command& command) {
+  if (command.action == Action::Show && !hasName(layerList(), command.word))
+    return "there is no layer " + command.word;
+  if (command.action != Action::Set) return {};
+  for (const SettingInfo& info : settingList()) {
+    if (command.word != info.name) continue;
+    const double value = command.numbers[0];
+    if (value >= info.low && value <= info.high) return {};
+    std::ostringstream reason;
+    reason << info.name << " is " << value << ", must be from " << info.low << " to " << info.high;
+    return reason.str();
+  }
+  return "there is no setting " + command.word;
+}
+
+}  // namespace
+
+std::string textOf(const Command& command) {
+  const ActionInfo& info = infoOf(command.action);
+  std::string text = info.name;
+  if (info.hasWord) text += " " + command.word;
+  for (const double number : command.numbers) {
+    char digits[40];
+    std::snprintf(digits, sizeof digits, " %.17g", number);
+    text += digits;
+  }
+  return text;
+}
+
+Result<Command> parseCommand(const std::string& text) {
+  std::istringstream words(text);
+  std::string name;
+  words >> name;
+  const ActionInfo* info = findAction(name);
+  if (!info) return Error{"there is no command \"" + name + "\""};
+  Command command{info->action, {}, {}};
+  if (info->hasWord && !(words >> command.word)) return Error{name + " needs a name"};
+  for (std::string word; words >> word;) {
+    const Result<double> number = parseFinite(word);
+    if (!number) return Error{number.error()};
+    command.numbers.push_back(*number);
+  }
+  if (command.numbers.size() != info->numbers)
+    return Error{name + " has " + std::to_string(info->numbers) + " numbers, not " +
+                 std::to_string(command.numbers.size())};
+  if (const std::string reason = wordProblem(command); !reason.empty()) return Error{reason};
+  return command;
+}
+
+const std::array<SettingInfo, kSettingCount>& settingList() {
+  static const std::array<SettingInfo, kSettingCount> list = {
+      {{"stiffness", "stiffness x", 0.01, 100.0, 1.0, true, false},
+       {"damping", "damping x", 0.01, 100.0, 1.0, true, false},
+       {"pressure", "pressure Pa", 0.0, 10000.0, 0.0, true, false},
+       {"gravity", "gravity m/s2", 0.0, 30.0, 9.81, false, false},
+       {"wind", "wind m/s", 0.0, 30.0, 0.0, false, false},
+       {"wind-direction", "wind to deg", -180.0, 180.0, 0.0, false, false},
+       {"max-substeps", "max substeps", 0.0, 200.0, 0.0, false, true},
+       {"tolerance", "tolerance 1/s", 0.0, 1.0, 0.0, true, false}}};
+  return list;
+}
+
+Settings::Settings() {
+  for (std::size_t i = 0; i < kSettingCount; ++i) values[i] = settingList()[i].start;
+}
+
+const std::array<LayerInfo, kLayerCount>& layerList() {
+  static const std::array<LayerInfo, kLayerCount> list = {{{"strain", '1', false},
+                                                           {"contacts", '2', false},
+                                                           {"boxes", '3', false},
+                                                           {"velocities", '4', false},
+                                                           {"constraints", '5', false},
+                                                           {"shadows", '6', true},
+                                                           {"panel", 'H', true}}};
+  return list;
+}
+
+Command rayCommand(Action action, const Ray& ray) {
+  const Eigen::Vector3d &o = ray.origin, &d = ray.direction;
+  return {action, {o.x(), o.y(), o.z(), d.x(), d.y(), d.z()}, {}};
+}
+
+Ray rayOf(const Command& command) {
+  const std::vector<double>& n = command.numbers;
+  return {{n[0], n[1], n[2]}, Eigen::Vector3d(n[3], n[4], n[5])};
+}
+
+}  // namespace limber::demo

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Zlib
+#include "window/history.h"
+
+#include <algorithm>
+
+namespace limber::demo {
+
+TickSample sampleOf(const scenes::TickTimes& times, const Energy& energy) {
+  const TickProfile& soft = times.soft;
+  const double parts[kTickParts] = {soft.stepMs, soft.searchMs + soft.islandsMs,
+                                    soft.readMs + soft.chooseMs + soft.writeMs + soft.readBackMs,
+                                    std::max(times.total - soft.totalMs(), 0.0)};
+  TickSample sample;
+  for (std::size_t i = 0; i < kTickParts; ++i) sample.ms[i] = static_cast<float>(parts[i]);
+  sample.totalMs = static_cast<float>(times.total);
+  if (soft.awakeBodies > 0)
+    sample.substeps = static_cast<float>(soft.substeps) / static_cast<float>(soft.awakeBodies);
+  sample.energy = {static_cast<float>(energy.kinetic), static_cast<float>(energy.elastic),
+                   static_cast<float>(energy.potential)};
+  return sample;
+}
+
+void History::add(const TickSample& sample) {
+  samples_.push_back(sample);
+  if (samples_.size() > kLength) samples_.pop_front();
+}
+
+double History::meanMs() const {
+  const std::size_t count = std::min(samples_.size(), static_cast<std::size_t>(scenes::kTicksPerSecond));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) sum += double(samples_[samples_.size() - 1 - i].totalMs);
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+}  // namespace limber::demo

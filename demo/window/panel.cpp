@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Zlib
+#include "window/panel.h"
+
+#include "scenes/scene_list.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+namespace limber::demo {
+namespace {
+
+constexpr float kPanelWidth = 310.0f, kPanelMargin = 8.0f;  // pixels
+constexpr float kPlotHeight = 56.0f;
+constexpr ImU32 kPartColours[kTickParts] = {IM_COL32(229, 115, 72, 255), IM_COL32(94, 155, 214, 255),
+                                            IM_COL32(156, 196, 104, 255), IM_COL32(150, 150, 158, 255)};
+constexpr ImU32 kEnergyColours[3] = {IM_COL32(229, 115, 72, 255), IM_COL32(94, 155, 214, 255),
+                                     IM_COL32(190, 190, 120, 255)};
+
+void drawPlayback(Session& session, Pace& pace, Controls& controls) {
+  if (ImGui::Button(pace.paused ? "play" : "pause")) controls.press(' ');
+  ImGui::SameLine();
+  if (ImGui::Button("tick")) controls.press('.');
+  ImGui::SameLine();
+  if (ImGui::Button("restart")) controls.press('R');
+  ImGui::SameLine();
+  if (ImGui::Button("next scene")) controls.press('N');
+  ImGui::SameLine();
+  char speed[32];
+  std::snprintf(speed, sizeof speed, "x %.3g###speed", pace.speed);
+  if (ImGui::Button(speed)) controls.press('M');
+  ImGui::SetNextItemWidth(-1.0f);
+  if (!ImGui::BeginCombo("##scene", session.choice().name.c_str())) return;
+  std::string chosen;
+  for (const scenes::SceneEntry& entry : scenes::sceneList()) {
+    if (std::string(entry.name) == "mesh") continue;
+    if (ImGui::Selectable(entry.name, session.choice().name == entry.name)) chosen = entry.name;
+  }
+  ImGui::EndCombo();
+  if (!chosen.empty()) session.perform({Action::Scene, {}, chosen});
+}
+
+void drawFigures(const Session& session, const History& history, const FrameFigures& figures) {
+  const TickProfile& profile = session.scene().soft->profile();
+  ImGui::Text("%.0f frames/s   draw %.1f ms   tick %.2f ms", figures.framesPerSecond, figures.drawMs,
+              history.meanMs());
+  ImGui::Text("%zu bodies, %zu awake, %zu points", session.scene().soft->bodyCount(), profile.awakeBodies,
+              scenes::pointCount(session.scene()));
+  ImGui::Text("%zu contacts, %zu islands, tick %lld", profile.contacts, profile.islands,
+              static_cast<long long>(session.ticks()));
+}
+
+void drawLayers(Session& session) {
+  for (std::size_t i = 0; i < kLayerCount; ++i) {
+    if (static_cast<Layer>(i) == Layer::Panel) continue;
+    const LayerInfo& info = layerList()[i];
+    bool shown = session.shows(static_cast<Layer>(i));
+    if (i % 3 != 0) ImGui::SameLine(105.0f * static_cast<float>(i % 3) + kPanelMargin);
+    if (ImGui::Checkbox(info.name, &shown)) session.perform({Action::Show, {shown ? 1.0 : 0.0}, info.name});
+  }
+}
+
+/// A frame for a plot, with a caption in it.
+struct PlotArea {
+  ImVec2 low, high;
+
+  explicit PlotArea(const char* caption) : low(ImGui::GetCursorScreenPos()) {
+    high = {low.x + ImGui::GetContentRegionAvail().x, low.y + kPlotHeight};
+    ImGui::GetWindowDrawList()->AddRectFilled(low, high, IM_COL32(20, 22, 26, 255));
+    ImGui::Dummy({high.x - low.x, kPlotHeight});
+    caption_ = caption;
+  }
+  ~PlotArea() {
+    ImGui::GetWindowDrawList()->AddText({low.x + 4.0f, low.y + 2.0f}, IM_COL32(235, 235, 235, 255),
+                                        caption_.c_str());
+  }
+  PlotArea(const PlotArea&) = delete;
+  PlotArea& operator=(const PlotArea&) = delete;
+
+  float x(std::size_t i) const {
+    return low.x + (high.x - low.x) * static_cast<float>(i) / static_cast<float>(History::kLength - 1);
+  }
+  /// `share` of the height, from the bottom.
+  float y(float share) const { return high.y - (kPlotHeight - 16.0f) * std::clamp(share, 0.0f, 1.0f); }
+
+ private:
+  std::string caption_;
+};
+
+/// Returns the next of 1, 2, 5, 10, ... so that the scale of a plot seldom changes.
+float roundedUp(float value) {
+  const float power = std::pow(10.0f, std::floor(std::log10(std::max(value, 1e-6f))));
+  for (const float step : {1.0f, 2.0f, 5.0f})
+    if (value <= step * power) return step * power;
+  return 10.0f * power;
+}
+
+void drawNames(const char* const* names, const ImU32* colours, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) ImGui::SameLine();
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(colours[i]), "%s", names[i]);
+  }
+}
+
+/// Columns of the parts of each tick, stacked.
+void drawTickPlot(const History& history) {
+  float top = 0.0f;
+  for (const TickSample& sample : history.samples()) top = std::max(top, sample.totalMs);
+  top = roundedUp(top);
+  char caption[48];
+  std::snprintf(caption, sizeof caption, "tick, of %.3g ms", static_cast<double>(top));
+  {
+    const PlotArea area(caption);
+    for (std::size_t i = 0; i < history.samples().size(); ++i) {
+      float below = 0.0f;
+      for (std::size_t part = 0; part < kTickParts; ++part) {
+        const float above = below + history.samples()[i].ms[part] / top;
+        ImGui::GetWindowDrawList()->AddRectFilled({area.x(i), area.y(above)},
+                                                  {area.x(i) + 1.3f, area.y(below)}, kPartColours[part]);
+        below = above;
+      }
+    }
+  }
+  drawNames(kTickPartNames.data(), kPartColours, kTickParts);
+}
+
+/// Lines of values from 0 or the smallest to the largest.
+void drawLinePlot(const History& history, const std::string& what, const char* unit, std::size_t count,
+                  const ImU32* colours, const std::function<float(const TickSample&, std::size_t)>& value) {
+  float low = 0.0f, top = 0.0f;
+  for (const TickSample& sample : history.samples()) {
+    for (std::size_t k = 0; k < count; ++k) {
+      low = std::min(low, value(sample, k));
+      top = std::max(top, value(sample, k));
+    }
+  }
+  top = roundedUp(top);
+  char range[48];
+  std::snprintf(range, sizeof range, ", of %.3g%s", static_cast<double>(top), unit);
+  const PlotArea area((what + range).c_str());
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<ImVec2> line;
+    for (std::size_t i = 0; i < history.samples().size(); ++i)
+      line.emplace_back(area.x(i), area.y((value(history.samples()[i], k) - low) / (top - low)));
+    ImGui::GetWindowDrawList()->AddPolyline(line.data(), static_cast<int>(line.size()), colours[k], 0, 1.0f);
+  }
+}
+
+void drawPlots(const History& history) {
+  drawTickPlot(history);
+  drawLinePlot(history, "substeps a body", "", 1, kPartColours,
+               [](const TickSample& sample, std::size_t) { return sample.substeps; });
+  drawLinePlot(history, "energy", " J", 3, kEnergyColours,
+               [](const TickSample& sample, std::size_t k) { return sample.energy[k]; });
+  const char* const names[3] = {"kinetic", "elastic", "potential"};
+  drawNames(names, kEnergyColours, 3);
+}
+
+void drawHelp() {
+  ImGui::TextUnformatted(
+      "left drag: pull a body, else orbit\n"
+      "right drag: orbit   middle drag: pan\n"
+      "wheel: zoom   Ctrl + left drag: cut");
+  for (const KeyInfo& info : keyList()) ImGui::Text("%-5s  %s", info.name, info.about);
+  for (const LayerInfo& layer : layerList()) ImGui::Text("%-5c  %s", layer.key, layer.name);
+}
+
+const char* formatOf(const SettingInfo& info) {
+  return info.whole ? "%.0f" : info.logarithmic ? "%.3g" : "%.2f";
+}
+
+}  // namespace
+
+void Panel::drawSettings(Session& session) {
+  sliders_.clear();
+  ImGui::PushItemWidth(170.0f);
+  for (std::size_t i = 0; i < kSettingCount; ++i) {
+    const SettingInfo& info = settingList()[i];
+    float value = static_cast<float>(session.settings().values[i]);
+    const ImGuiSliderFlags flags =
+        ImGuiSliderFlags_AlwaysClamp | (info.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    const bool moved = ImGui::SliderFloat(info.label, &value, static_cast<float>(info.low),
+                                          static_cast<float>(info.high), formatOf(info), flags);
+    const ImVec2 low = ImGui::GetItemRectMin(), size{ImGui::CalcItemWidth(), ImGui::GetItemRectSize().y};
+    sliders_.push_back({info.name, double(low.x), double(low.y), double(size.x), double(size.y)});
+    if (!moved) continue;
+    const double number =
+        std::clamp(info.whole ? std::round(double(value)) : double(value), info.low, info.high);
+    session.perform({Action::Set, {number}, info.name});
+  }
+  ImGui::PopItemWidth();
+}
+
+void Panel::draw(Session& session, Pace& pace, Controls& controls, const History& history,
+                 const FrameFigures& figures, bool interactive) {
+  ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({kPanelWidth, 0.0f}, ImGuiCond_Always);
+  if (ImGui::Begin("Limber", nullptr, ImGuiWindowFlags_NoResize)) {
+    ImGui::BeginDisabled(!interactive);
+    drawPlayback(session, pace, controls);
+    drawFigures(session, history, figures);
+    if (ImGui::CollapsingHeader("settings", ImGuiTreeNodeFlags_DefaultOpen)) drawSettings(session);
+    if (ImGui::CollapsingHeader("show", ImGuiTreeNodeFlags_DefaultOpen)) drawLayers(session);
+    if (ImGui::CollapsingHeader("plots", ImGuiTreeNodeFlags_DefaultOpen)) drawPlots(history);
+    if (ImGui::CollapsingHeader("keys")) drawHelp();
+    ImGui::EndDisabled();
+    if (!message_.empty()) ImGui::TextWrapped("%s", message_.c_str());
+  }
+  ImGui::End();
+}
+
+std::vector<SliderPlace> Panel::takeMovedSliders() {
+  const auto same = [](const SliderPlace& a, const SliderPlace& b) {
+    return a.name == b.name && a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
+  };
+  if (std::equal(sliders_.begin(), sliders_.end(), reported_.begin(), reported_.end(), same)) return {};
+  reported_ = sliders_;
+  return sliders_;
+}
+
+}  // namespace limber::demo

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Zlib
+#include "window/recording.h"
+
+#include "output_files.h"
+#include "scenes/scene_list.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace limber::demo {
+namespace {
+
+constexpr const char* kFirstLine = "limber-recording 1";
+constexpr std::pair<const char*, scenes::Feel> kFeels[] = {{"jelly", scenes::Feel::Jelly},
+                                                           {"rubber", scenes::Feel::Rubber},
+                                                           {"foam", scenes::Feel::Foam},
+                                                           {"stiff", scenes::Feel::Stiff}};
+
+std::string digits(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+// --- reading -----------------------------------------------------------------------------------------------
+
+/// Returns false for a text that is not a number from `low` to `high`.
+bool readNumber(const std::string& text, double low, double high, double& value) {
+  char* end = nullptr;
+  value = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' && value >= low && value <= high;
+}
+
+bool readWhole(const std::string& text, double low, double high, std::int64_t& value) {
+  double number = 0.0;
+  if (!readNumber(text, low, high, number) || number != std::floor(number)) return false;
+  value = static_cast<std::int64_t>(number);
+  return true;
+}
+
+bool readOptional(const std::string& text, double low, double high, std::optional<double>& value) {
+  double number = 0.0;
+  if (!readNumber(text, low, high, number)) return false;
+  value = number;
+  return true;
+}
+
+bool readFeel(const std::string& text, scenes::Feel& feel) {
+  const auto* found = std::find_if(std::begin(kFeels), std::end(kFeels),
+                                   [&text](const auto& one) { return text == one.first; });
+  if (found == std::end(kFeels)) return false;
+  feel = found->second;
+  return true;
+}
+
+bool readSize(const std::string& text, WindowSize& size) {
+  std::istringstream words(text);
+  return bool(words >> size.width >> size.height) && std::clamp(size.width, 16, 8192) == size.width &&
+         std::clamp(size.height, 16, 8192) == size.height;
+}
+
+/// Reads a number and stores it in a field of another type.
+template <class Value>
+bool readWholeInto(const std::string& text, double low, double high, Value& value) {
+  std::int64_t number = 0;
+  if (!readWhole(text, low, high, number)) return false;
+  value = static_cast<Value>(number);
+  return true;
+}
+
+/// Returns the reason why a line before "begin" is wrong, or an empty string.
+std::string readOption(const std::string& name, const std::string& value, Recording& recording) {
+  scenes::SceneOptions& o = recording.choice.options;
+  bool good = true;
+  if (name == "scene") {
+    recording.choice.name = value;
+    good = scenes::findScene(value) != nullptr;
+  } else if (name == "size") {
+    good = readSize(value, recording.size);
+  } else if (name == "seed") {
+    good = readWholeInto(value, 0, 1e15, o.seed);
+  } else if (name == "count") {
+    good = readWholeInto(value, 1, 10000, o.count);
+  } else if (name == "stiffness") {
+    good = readOptional(value, 0.0, 1e9, o.stiffness);
+  } else if (name == "damping") {
+    good = readOptional(value, 0.0, 1e6, o.damping);
+  } else if (name == "mass") {
+    good = readOptional(value, 1e-6, 1e6, o.mass);
+  } else if (name == "scale") {
+    good = readOptional(value, 1e-6, 1e6, o.scale);
+  } else if (name == "mesh") {
+    o.meshFile = value;
+  } else if (name == "feel") {
+    good = readFeel(value, o.feel);
+  } else if (name == "points") {
+    good = readWholeInto(value, 0, 100000, o.cook.points);
+  } else if (name == "braces") {
+    o.cook.mode = CookMode::Braces;
+  } else if (name == "connect") {
+    o.cook.pieces = PieceRule::Connected;
+  } else {
+    return "there is no option \"" + name + "\"";
+  }
+  return good ? std::string() : name + " cannot be \"" + value + "\"";
+}
+
+bool readHash(const std::string& text, std::uint64_t& hash) {
+  if (text.size() != 16 || text.find_first_not_of("0123456789abcdef") != std::string::npos) return false;
+  hash = std::strtoull(text.c_str(), nullptr, 16);
+  return true;
+}
+
+/// The same for a line after "begin".
+std::string readCommand(const std::string& first, const std::string& rest, Recording& recording) {
+  std::int64_t tick = 0;
+  if (recording.end) return "there is a line behind the end";
+  if (!readWhole(first, 0, 1e15, tick)) return "\"" + first + "\" is not a number of ticks";
+  if (!recording.commands.empty() && tick < recording.commands.back().tick) return "the ticks go back";
+  if (rest.rfind("end ", 0) == 0) {
+    RecordedEnd end;
+    end.ticks = tick;
+    if (!readHash(rest.substr(4), end.hash)) return "\"" + rest.substr(4) + "\" is not a hash of 16 digits";
+    recording.end = end;
+    return {};
+  }
+  Result<Command> command = parseCommand(rest);
+  if (!command) return command.error();
+  recording.commands.push_back({tick, std::move(*command)});
+  return {};
+}
+
+/// A line without what counts for nothing, in two parts at its first space.
+struct SplitLine {
+  std::string first, rest;
+
+  explicit SplitLine(const std::string& line) {
+    std::istringstream words(line);
+    words >> first >> std::ws;
+    std::getline(words, rest);
+    if (!rest.empty() && rest.back() == '\r') rest.pop_back();
+    if (!first.empty() && first[0] == '#') first.clear();
+  }
+};
+
+}  // namespace
+
+Result<Recording> parseRecording(const std::string& text, const std::string& name) {
+  Recording recording;
+  bool known = false, begun = false;
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const SplitLine split(line);
+    if (split.first.empty()) continue;
+    std::string reason;
+    if (!known)
+      reason =
+          split.first + " " + split.rest == kFirstLine ? "" : "a recording begins with limber-recording 1";
+    else if (!begun && split.first == "begin")
+      begun = true;
+    else
+      reason = begun ? readCommand(split.first, split.rest, recording)
+                     : readOption(split.first, split.rest, recording);
+    known = true;
+    if (!reason.empty()) return Error{name + ":" + std::to_string(number) + ": " + reason};
+  }
+  if (!known) return Error{name + ": it is empty"};
+  if (!begun) return Error{name + ": there is no line \"begin\""};
+  if (recording.choice.name == "mesh" && recording.choice.options.meshFile.empty())
+    return Error{name + ": the scene mesh needs a line \"mesh FILE\""};
+  return recording;
+}
+
+Result<Recording> readRecording(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) return Error{"cannot read " + file + ": " + std::strerror(errno)};
+  return parseRecording(text, file);
+}
+
+std::int64_t Recording::ticks() const {
+  if (end) return end->ticks;
+  return commands.empty() ? 0 : commands.back().tick;
+}
+
+// --- writing -----------------------------------------------------------------------------------------------
+
+std::string headerOf(const SceneChoice& choice, const WindowSize& size) {
+  const scenes::SceneOptions& o = choice.options;
+  std::string text = std::string(kFirstLine) + "\nscene " + choice.name + "\n";
+  const auto add = [&text](const char* name, const std::string& value) {
+    text += std::string(name) + " " + value + "\n";
+  };
+  add("seed", std::to_string(o.seed));
+  if (o.count) add("count", std::to_string(*o.count));
+  if (o.stiffness) add("stiffness", digits(*o.stiffness));
+  if (o.damping) add("damping", digits(*o.damping));
+  if (o.mass) add("mass", digits(*o.mass));
+  if (o.scale) add("scale", digits(*o.scale));
+  if (!o.meshFile.empty()) {
+    add("mesh", o.meshFile);
+    add("feel", kFeels[static_cast<std::size_t>(o.feel)].first);
+    add("points", std::to_string(o.cook.points));
+    if (o.cook.mode == CookMode::Braces) text += "braces\n";
+    if (o.cook.pieces == PieceRule::Connected) text += "connect\n";
+  }
+  add("size", std::to_string(size.width) + " " + std::to_string(size.height));
+  return text + "begin\n";
+}
+
+std::string lineOf(const RecordedCommand& command) {
+  return std::to_string(command.tick) + " " + textOf(command.command) + "\n";
+}
+
+std::string lineOf(const RecordedEnd& end) {
+  char hash[24];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(end.hash));
+  return std::to_string(end.ticks) + " end " + hash + "\n";
+}
+
+Result<LineFile> LineFile::create(const std::string& file) {
+  if (const std::string reason = checkWritable(file); !reason.empty()) return Error{reason};
+  LineFile lines;
+  lines.file_.reset(std::fopen(file.c_str(), "w"));
+  if (!lines.file_) return Error{"cannot write " + file + ": " + std::strerror(errno)};
+  return lines;
+}
+
+bool LineFile::write(const std::string& lines) {
+  return std::fwrite(lines.data(), 1, lines.size(), file_.get()) == lines.size() &&
+         std::fflush(file_.get()) == 0;
+}
+
+// --- playing -----------------------------------------------------------------------------------------------
+
+bool Replay::prepare(Session& session) {
+  const std::vector<RecordedCommand>& commands = recording_.commands;
+  while (next_ < commands.size() && commands[next_].tick <= session.ticks())
+    session.perform(commands[next_++].command);
+  return session.ticks() < recording_.ticks();
+}
+
+std::string Replay::endProblem(const Session& session) const {
+  if (!recording_.end || scenes::stateHash(session.scene()) == recording_.end->hash) return {};
+  return "the run has ended in another state than the recorded one";
+}
+
+}  // namespace limber::demo

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "window/command.h"
+#include "window/orbit_camera.h"
+#include "window/session.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace limber::demo {
+
+/// A command and the number of ticks before it.
+struct RecordedCommand {
+  std::int64_t tick = 0;
+  Command command;
+};
+
+/// The end of a recorded run.
+struct RecordedEnd {
+  std::int64_t ticks = 0;
+  std::uint64_t hash = 0;  ///< scenes::stateHash() of the last scene
+};
+
+/// A run of a Session. As a file it is text of one fact a line:
+///
+///     limber-recording 1
+///     scene cubes
+///     count 4
+///     size 1280 720
+///     begin
+///     12 grab 0 2 6 0.1 -0.2 -0.97
+///     60 end 1f2e3d4c5b6a7988
+///
+/// First the scene and its options, which have the names of the command line without dashes, then the
+/// commands behind the number of ticks before them. Empty lines and lines that begin with # count for
+/// nothing. A run that was killed has no end; the rest can be replayed.
+struct Recording {
+  SceneChoice choice;
+  WindowSize size;
+  std::vector<RecordedCommand> commands;  ///< by tick
+  std::optional<RecordedEnd> end;
+
+  /// Returns the number of ticks of the run.
+  std::int64_t ticks() const;
+};
+
+/// Errors name the file and the line.
+Result<Recording> readRecording(const std::string& file);
+/// The same for a text; `name` is for errors.
+Result<Recording> parseRecording(const std::string& text, const std::string& name);
+
+/// Returns the lines before the first command.
+std::string headerOf(const SceneChoice& choice, const WindowSize& size);
+std::string lineOf(const RecordedCommand& command);
+std::string lineOf(const RecordedEnd& end);
+
+/// Writes lines to a file at once, so that they stay if the program dies.
+class LineFile {
+ public:
+  /// Error: the reason why the file cannot be written, with its name.
+  static Result<LineFile> create(const std::string& file);
+
+  /// Returns false if the disk is full, or the like.
+  bool write(const std::string& lines);
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+/// Plays a recording, one tick at a time.
+class Replay {
+ public:
+  explicit Replay(const Recording& recording) : recording_(recording) {}
+
+  /// Performs the commands before the next tick. Returns false at the end of the recording.
+  bool prepare(Session& session);
+  /// Returns why the end of the run is not the recorded one, or an empty string.
+  std::string endProblem(const Session& session) const;
+
+ private:
+  Recording recording_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace limber::demo

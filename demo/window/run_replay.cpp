@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Zlib
+#include "run_demo.h"
+#include "window/run_window.h"
+
+#include <cstdio>
+#include <stdexcept>
+
+namespace limber::demo {
+void performOptions(Session& session, const DemoOptions& options) {
+  const auto show = [&session](Layer layer) {
+    session.perform({Action::Show, {1.0}, layerList()[static_cast<std::size_t>(layer)].name});
+  };
+  if (options.mode == PictureMode::Wireframe) show(Layer::Strain);
+  if (options.overlay.contacts) show(Layer::Contacts);
+  if (options.overlay.boxes) show(Layer::Boxes);
+  if (options.overlay.velocities) show(Layer::Velocities);
+  if (options.overlay.constraints) show(Layer::Constraints);
+  if (options.camera.path == CameraPath::Fixed)
+    session.perform(cameraCommand(orbitOf(options.camera.eye, options.camera.target)));
+  for (const Command& command : options.window.settings) session.perform(command);
+}
+
+std::unique_ptr<Session> createSession(const DemoOptions& options, const Recording* recording) {
+  SceneChoice choice{options.scene, options.sceneOptions};
+  WindowSize size{options.width, options.height};
+  if (recording) {
+    choice = recording->choice;
+    choice.options.cacheFolder = options.sceneOptions.cacheFolder;
+    size = recording->size;
+  }
+  Result<std::unique_ptr<Session>> session = Session::create(choice, size);
+  if (!session) throw std::runtime_error(session.error());
+  for (const std::string& note : (*session)->scene().notes) std::fprintf(stderr, "%s\n", note.c_str());
+  return std::move(*session);
+}
+
+ExitCode runReplay(const DemoOptions& options) {
+  const Result<Recording> recording = readRecording(options.window.replay);
+  if (!recording) throw std::runtime_error(recording.error());
+  const std::unique_ptr<Session> session = createSession(options, &*recording);
+  Replay replay(*recording);
+  while (replay.prepare(*session)) {
+    if (stopSignal != 0) throw Stopped{};
+    session->tick();
+  }
+  std::printf("%s", lineOf(RecordedEnd{session->ticks(), scenes::stateHash(session->scene())}).c_str());
+  const std::string problem = replay.endProblem(*session);
+  if (!problem.empty())
+    std::fprintf(stderr, "limber-demo: %s: %s\n", options.window.replay.c_str(), problem.c_str());
+  return problem.empty() ? kSuccess : kWrongEnd;
+}
+
+}  // namespace limber::demo

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Zlib
+#include "window/run_window.h"
+
+#include "output_files.h"
+#include "run_demo.h"
+#include "window/history.h"
+#include "window/panel.h"
+#include "window/stage.h"
+#include "window/title.h"
+#include "window/window.h"
+
+#include <limber/render/png_file.h>
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+namespace limber::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::int64_t kTitleFrames = 10, kLoggedFrames = 30;
+
+double secondsBetween(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
+}
+
+/// Opens a file of lines if it has a name.
+std::optional<LineFile> openLines(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  Result<LineFile> lines = LineFile::create(file);
+  if (!lines) throw std::runtime_error(lines.error());
+  return std::move(*lines);
+}
+
+std::optional<Recording> openReplay(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  Result<Recording> recording = readRecording(file);
+  if (!recording) throw std::runtime_error(recording.error());
+  return std::move(*recording);
+}
+
+void checkPicture(const std::string& file) {
+  if (const std::string reason = checkWritable(file); !reason.empty()) throw std::runtime_error(reason);
+}
+
+/// A window in which a session is played.
+class Play {
+ public:
+  explicit Play(const DemoOptions& options);
+
+  ExitCode run();
+
+ private:
+  void logLine(const char* format, ...) __attribute__((format(printf, 2, 3)));
+  void listen();
+  void frame();
+  void measure(double seconds);
+  void advance(double seconds);
+  void tick();
+  void draw();
+  void drawCutLine() const;
+  void waitForNextFrame();
+  void logFrame();
+  void logHand();
+  void logStatus();
+  void writePicture();
+  long long ticks() const { return static_cast<long long>(session_->ticks()); }
+  bool ends() const;
+  ExitCode finish();
+
+  DemoOptions options_;
+  std::optional<Recording> recording_;
+  std::optional<Replay> replay_;
+  std::optional<LineFile> record_, log_;
+  std::unique_ptr<Session> session_;
+  Window window_;  // is destroyed after stage_
+  Stage stage_;
+  Pace pace_;
+  Controls controls_;
+  Panel panel_;
+  History history_;
+  FrameFigures figures_;
+  Clock::time_point start_ = Clock::now(), frameStart_ = start_;
+  std::int64_t frames_ = 0;
+  int sceneNumber_ = 0;  // that history_ is of
+  bool wasPaused_ = false;
+  bool replayed_ = false;  // the recording has been played to its end
+};
+
+Play::Play(const DemoOptions& options)
+    : options_(options),
+      recording_(openReplay(options.window.replay)),
+      record_(openLines(options.window.record)),
+      log_(openLines(options.window.log)),
+      session_(createSession(options, recording_ ? &*recording_ : nullptr)),
+      window_(recording_ ? recording_->size : WindowSize{options.width, options.height}, "limber-demo"),
+      stage_(Window::functionAddress, window_.framebufferSize()),
+      controls_(*session_, pace_, window_.size()) {
+  if (recording_) replay_.emplace(*recording_);
+  if (record_) record_->write(headerOf(session_->choice(), window_.size()));
+  if (!options.window.picture.empty()) checkPicture(options.window.picture);
+  listen();
+  if (!replay_) performOptions(*session_, options);
+}
+
+void Play::logLine(const char* format, ...) {
+  if (!log_) return;
+  char text[512];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(text, sizeof text - 1, format, values);
+  va_end(values);
+  log_->write(std::string(text) + "\n");
+}
+
+void Play::listen() {
+  session_->setListener([this](const Command& command, const std::string& outcome) {
+    if (record_ && !record_->write(lineOf(RecordedCommand{session_->ticks(), command})))
+      throw std::runtime_error("cannot write " + options_.window.record + ": the disk may be full");
+    if (!outcome.empty()) panel_.setMessage(outcome);
+    logLine("tick %lld: %s%s%s", ticks(), textOf(command).c_str(), outcome.empty() ? "" : ": ",
+            outcome.c_str());
+  });
+}
+
+ExitCode Play::run() {
+  logLine("opened %d x %d, %s", window_.size().width, window_.size().height, stage_.driver().c_str());
+  while (!ends()) {
+    if (stopSignal != 0) throw Stopped{};
+    frame();
+  }
+  return finish();
+}
+
+bool Play::ends() const {
+  const bool over = options_.window.seconds > 0.0 &&
+                    double(session_->ticks()) >= options_.window.seconds * double(scenes::kTicksPerSecond);
+  return over || replayed_ || controls_.wantsToQuit() || window_.closed();
+}
+
+// --- one frame ---------------------------------------------------------------------------------------------
+
+void Play::frame() {
+  const Clock::time_point now = Clock::now();
+  const double seconds = secondsBetween(frameStart_, now);
+  frameStart_ = now;
+  ++frames_;
+  measure(seconds);
+  window_.beginFrame(controls_, !replay_);
+  advance(seconds);
+  draw();
+  window_.show();
+  if (frames_ % kTitleFrames == 0 || pace_.paused) window_.setTitle(titleOf(*session_, pace_));
+  logFrame();
+  waitForNextFrame();
+}
+
+/// Keeps a mean of the last frames.
+void Play::measure(double seconds) {
+  constexpr double kNewShare = 0.05;
+  const double old = figures_.framesPerSecond > 0.0 ? 1.0 / figures_.framesPerSecond : seconds;
+  figures_.framesPerSecond = 1.0 / std::max(old + kNewShare * (seconds - old), 1e-6);
+}
+
+void Play::advance(double seconds) {
+  if (!replay_) {
+    for (int due = pace_.ticksDue(seconds); due > 0; --due) tick();
+  } else if (replay_->prepare(*session_)) {
+    tick();
+  } else {
+    replayed_ = true;
+  }
+}
+
+void Play::tick() {
+  const scenes::TickTimes times = session_->tick();
+  if (session_->sceneNumber() != sceneNumber_) history_.clear();
+  sceneNumber_ = session_->sceneNumber();
+  history_.add(sampleOf(times, session_->energy()));
+}
+
+/// Draws the scene and the panel; the window does not show them yet.
+void Play::draw() {
+  const Clock::time_point start = Clock::now();
+  if (session_->shows(Layer::Panel)) panel_.draw(*session_, pace_, controls_, history_, figures_, !replay_);
+  drawCutLine();
+  stage_.draw(*session_, replay_ ? 1.0 : pace_.tickFraction(), window_.framebufferSize());
+  window_.drawPanel();
+  figures_.drawMs += 0.05 * (1000.0 * secondsBetween(start, Clock::now()) - figures_.drawMs);
+}
+
+void Play::drawCutLine() const {
+  const auto line = controls_.cutLine();
+  if (!line) return;
+  const auto corner = [](const Pixel& p) { return ImVec2(static_cast<float>(p.x), static_cast<float>(p.y)); };
+  ImGui::GetForegroundDrawList()->AddLine(corner((*line)[0]), corner((*line)[1]), IM_COL32(200, 30, 20, 255),
+                                          2.0f);
+}
+
+/// Software rasterisers do not wait for the screen.
+void Play::waitForNextFrame() {
+  constexpr std::chrono::microseconds kFrame(16000);
+  std::this_thread::sleep_until(frameStart_ + kFrame);
+}
+
+// --- the log -----------------------------------------------------------------------------------------------
+
+void Play::logFrame() {
+  if (!log_) return;
+  for (const SliderPlace& slider : panel_.takeMovedSliders())
+    logLine("slider %s at %.0f %.0f, %.0f x %.0f", slider.name.c_str(), slider.x, slider.y, slider.width,
+            slider.height);
+  if (pace_.paused != wasPaused_) logLine("tick %lld: %s", ticks(), pace_.paused ? "paused" : "goes on");
+  wasPaused_ = pace_.paused;
+  if (session_->hand().holds()) logHand();
+  if (frames_ % kLoggedFrames == 0) logStatus();
+}
+
+void Play::logHand() {
+  const Eigen::Vector3d held = session_->hand().held(), place = session_->hand().place();
+  logLine("tick %lld: held at %.3f %.3f %.3f, pulled to %.3f %.3f %.3f", ticks(), held.x(), held.y(),
+          held.z(), place.x(), place.y(), place.z());
+}
+
+void Play::logStatus() {
+  logLine("tick %lld: %.1f frames/s, draw %.2f ms, tick %.2f ms", ticks(), figures_.framesPerSecond,
+          figures_.drawMs, history_.meanMs());
+  if (session_->scene().soft->bodyCount() == 0) return;
+  const SoftBody& body = *session_->scene().soft->body(0);
+  const Eigen::Vector3d centre = body.centerOfMass();
+  const std::optional<Pixel> pixel = session_->camera().pixelOf(centre, window_.size());
+  if (!pixel) return;
+  logLine("tick %lld: body 0 at %.3f %.3f %.3f, pixel %.0f %.0f, stiffness %.6g", ticks(), centre.x(),
+          centre.y(), centre.z(), pixel->x, pixel->y, body.settings().extensionStiffness);
+}
+
+// --- the end -----------------------------------------------------------------------------------------------
+
+ExitCode Play::finish() {
+  const RecordedEnd end{session_->ticks(), scenes::stateHash(session_->scene())};
+  if (record_) record_->write(lineOf(end));
+  if (!options_.window.picture.empty()) writePicture();
+  const double seconds = secondsBetween(start_, Clock::now());
+  logLine("closed after %lld frames in %.2f s, %.1f frames/s", static_cast<long long>(frames_), seconds,
+          double(frames_) / seconds);
+  std::printf("%s", lineOf(end).c_str());
+  const std::string problem = replayed_ ? replay_->endProblem(*session_) : std::string();
+  if (problem.empty()) return kSuccess;
+  std::fprintf(stderr, "limber-demo: %s: %s\n", options_.window.replay.c_str(), problem.c_str());
+  return kWrongEnd;
+}
+
+void Play::writePicture() {
+  window_.beginFrame(controls_, false);
+  draw();
+  render::writePng(options_.window.picture, stage_.readWindow(window_.framebufferSize()));
+}
+
+}  // namespace
+
+ExitCode runWindow(const DemoOptions& options) { return Play(options).run(); }
+
+}  // namespace limber::demo

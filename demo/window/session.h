@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "scenes/scene.h"
+#include "window/command.h"
+#include "window/orbit_camera.h"
+#include "window/picking.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace limber::demo {
+
+/// A scene of the list and its options.
+struct SceneChoice {
+  std::string name = "cubes";
+  scenes::SceneOptions options;
+};
+
+/// J, of all soft bodies; potential energy above y = 0.
+struct Energy {
+  double kinetic = 0.0, elastic = 0.0, potential = 0.0;
+};
+
+/// A scene that a user plays with. It changes only by perform() and tick(), and the same calls in the same
+/// order give the same states, to the bit. It needs neither a window nor OpenGL.
+class Session {
+ public:
+  /// Is called for each command that was performed, with what came of it.
+  using Listener = std::function<void(const Command&, const std::string& outcome)>;
+
+  /// Errors: those of the scene.
+  static Result<std::unique_ptr<Session>> create(const SceneChoice& choice, const WindowSize& size);
+  ~Session();
+
+  void setListener(Listener listener) { listener_ = std::move(listener); }
+
+  /// Performs a command. Returns what came of it in words: "body 3 point 0", "nothing there".
+  std::string perform(const Command& command);
+  /// Steps the world by 1/60 s.
+  scenes::TickTimes tick();
+
+  scenes::Scene& scene() { return *scene_; }
+  const scenes::Scene& scene() const { return *scene_; }
+  /// Is another number after each restart and change of the scene.
+  int sceneNumber() const { return sceneNumber_; }
+  const SceneChoice& choice() const { return choice_; }
+  const Settings& settings() const { return settings_; }
+  const Settings& startSettings() const { return start_; }  ///< that the scene begins with
+  bool shows(Layer layer) const { return layers_[static_cast<std::size_t>(layer)]; }
+  const OrbitCamera& camera() const { return camera_; }
+  const Hand& hand() const { return hand_; }
+  std::int64_t ticks() const { return ticks_; }  ///< of all scenes so far
+  Energy energy() const;
+
+ private:
+  Session() = default;
+
+  std::string create(const SceneChoice& choice);
+  std::string act(const Command& command);
+  std::string grab(const Ray& ray);
+  std::string shoot(const Ray& ray);
+  std::string cut(const std::vector<double>& numbers);
+  std::string pin(const Ray& ray);
+  std::string set(const Command& command);
+  std::string restart();
+  std::string nextScene(const std::string& name);
+  std::string apply(Setting setting);
+  std::string changeBodies();
+  void applyGravity();
+
+  SceneChoice choice_;
+  WindowSize size_;
+  std::unique_ptr<scenes::Scene> scene_;
+  std::vector<SoftBodySettings> made_;  // settings of each body as the scene made it
+  Settings start_, settings_;           // of the scene, and at present
+  std::array<bool, kLayerCount> layers_{};
+  OrbitCamera camera_;
+  Hand hand_;  // is destroyed before the scene
+  std::int64_t ticks_ = 0;
+  int sceneNumber_ = 0;
+  Listener listener_;
+};
+
+/// Returns the camera that frames the scene.
+OrbitCamera framedCamera(const scenes::Scene& scene, const WindowSize& size);
+
+}  // namespace limber::demo

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Zlib
+#include "window/window.h"
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+
+namespace limber::demo {
+namespace {
+
+[[noreturn]] void throwGlfwError(const std::string& what) {
+  const char* reason = nullptr;
+  glfwGetError(&reason);
+  throw std::runtime_error(what + ": " + (reason ? reason : "unknown reason"));
+}
+
+std::optional<Button> buttonOf(int button) {
+  if (button == GLFW_MOUSE_BUTTON_LEFT) return Button::Left;
+  if (button == GLFW_MOUSE_BUTTON_MIDDLE) return Button::Middle;
+  if (button == GLFW_MOUSE_BUTTON_RIGHT) return Button::Right;
+  return std::nullopt;
+}
+
+/// GLFW's codes of letters, digits and the like are those of ASCII.
+char keyOf(int key) {
+  if (key == GLFW_KEY_ESCAPE) return kEscape;
+  return key >= 32 && key < 127 ? static_cast<char>(key) : '\0';
+}
+
+bool closes(char key) { return key == 'Q' || key == kEscape; }
+
+/// GLFW gives its callbacks a window.
+Window& owner(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
+
+}  // namespace
+
+Window::Window(const WindowSize& size, const std::string& title) : title_(title) {
+  if (!glfwInit()) throwGlfwError("cannot open a window");
+  try {
+    open(size, title);
+    listen();
+    openImGui();
+  } catch (...) {
+    glfwTerminate();
+    throw;
+  }
+}
+
+Window::~Window() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+void Window::open(const WindowSize& size, const std::string& title) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // the renderer has its own
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+  if (!window_) throwGlfwError("cannot open a window with OpenGL 4.5");
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+}
+
+void Window::openImGui() {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // no file is written
+  ImGui::StyleColorsDark();
+  ImGui::GetStyle().WindowRounding = 4.0f;
+  ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.88f;
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  ImGui_ImplOpenGL3_Init("#version 450 core");
+}
+
+// --- events ------------------------------------------------------------------------------------------------
+
+// ImGui calls these before its own. The events wait for the next frame, when ImGui knows what the mouse is
+// over.
+void Window::listen() {
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int code, int action, int modifiers) {
+    const std::optional<Button> button = buttonOf(code);
+    if (!button) return;
+    Event event{action == GLFW_PRESS ? Event::Kind::Press : Event::Kind::Release, *button, {}, {}};
+    event.modifiers = {(modifiers & GLFW_MOD_SHIFT) != 0, (modifiers & GLFW_MOD_CONTROL) != 0};
+    event.pixel = owner(window).mouse();
+    owner(window).events_.push_back(event);
+  });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+    owner(window).events_.push_back({Event::Kind::Move, {}, {}, {x, y}});
+  });
+  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double steps) {
+    owner(window).events_.push_back({Event::Kind::Scroll, {}, {}, owner(window).mouse(), steps});
+  });
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_RELEASE || keyOf(key) == '\0') return;
+    owner(window).events_.push_back({Event::Kind::Key, {}, {}, owner(window).mouse(), 0.0, keyOf(key)});
+  });
+}
+
+void Window::beginFrame(Controls& controls, bool interactive) {
+  glfwPollEvents();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  controls.resize(size());
+  for (const Event& event : events_)
+    if (interactive || closes(event.key)) handle(event, controls);
+  events_.clear();
+  controls.finishMovement();
+}
+
+void Window::handle(const Event& event, Controls& controls) const {
+  const ImGuiIO& io = ImGui::GetIO();
+  controls.move(event.pixel);
+  switch (event.kind) {
+    case Event::Kind::Press:
+      if (!io.WantCaptureMouse) controls.press(event.button, event.modifiers);
+      break;
+    case Event::Kind::Release:
+      controls.release(event.button);
+      break;
+    case Event::Kind::Move:
+      break;
+    case Event::Kind::Scroll:
+      if (!io.WantCaptureMouse) controls.scroll(event.steps);
+      break;
+    case Event::Kind::Key:
+      if (!io.WantTextInput) controls.press(event.key);
+      break;
+  }
+}
+
+// --- pictures ----------------------------------------------------------------------------------------------
+
+void Window::drawPanel() {
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Window::show() { glfwSwapBuffers(window_); }
+
+// --- the window --------------------------------------------------------------------------------------------
+
+bool Window::closed() const { return glfwWindowShouldClose(window_) != 0; }
+
+void Window::setTitle(const std::string& title) {
+  if (title == title_) return;
+  title_ = title;
+  glfwSetWindowTitle(window_, title.c_str());
+}
+
+Pixel Window::mouse() const {
+  Pixel pixel;
+  glfwGetCursorPos(window_, &pixel.x, &pixel.y);
+  return pixel;
+}
+
+WindowSize Window::size() const {
+  WindowSize size;
+  glfwGetWindowSize(window_, &size.width, &size.height);
+  return {std::max(size.width, 1), std::max(size.height, 1)};
+}
+
+WindowSize Window::framebufferSize() const {
+  WindowSize size;
+  glfwGetFramebufferSize(window_, &size.width, &size.height);
+  return {std::max(size.width, 1), std::max(size.height, 1)};
+}
+
+void* Window::functionAddress(const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); }
+
+}  // namespace limber::demo

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "window/controls.h"
+#include "window/orbit_camera.h"
+
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+
+namespace limber::demo {
+
+/// A window with an OpenGL context, mouse, keyboard and ImGui. There is at most one.
+class Window {
+ public:
+  /// Throws std::runtime_error with the reason, for example without a display.
+  Window(const WindowSize& size, const std::string& title);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// Begins a frame of ImGui and hands the events since the last one to the controls, except those that are
+  /// for the panel. Without `interactive` only the keys that close the window count, as in a replay.
+  void beginFrame(Controls& controls, bool interactive);
+  /// Draws the panel over the picture; the window still shows the last frame.
+  void drawPanel();
+  void show();
+
+  bool closed() const;
+  void setTitle(const std::string& title);
+  WindowSize size() const;  ///< of the mouse's coordinates
+  WindowSize framebufferSize() const;
+  static void* functionAddress(const char* name);
+
+ private:
+  /// One event of mouse or keyboard.
+  struct Event {
+    enum class Kind { Press, Release, Move, Scroll, Key } kind;
+    Button button = Button::Left;
+    Modifiers modifiers;
+    Pixel pixel;
+    double steps = 0.0;
+    char key = 0;
+  };
+
+  void open(const WindowSize& size, const std::string& title);
+  void listen();
+  void openImGui();
+  void handle(const Event& event, Controls& controls) const;
+  Pixel mouse() const;
+
+  GLFWwindow* window_ = nullptr;
+  std::vector<Event> events_;
+  std::string title_;
+};
+
+}  // namespace limber::demo
