@@ -120,15 +120,15 @@ bool readHash(const std::string& text, std::uint64_t& hash) {
 /// The same for a line after "begin".
 std::string readCommand(const std::string& first, const std::string& rest, Recording& recording) {
   std::int64_t tick = 0;
-  if (recording.end) return "there is a line behind the end";
+  if (!recording.states.empty() && recording.states.back().end) return "there is a line behind the end";
   if (!readWhole(first, 0, 1e15, tick)) return "\"" + first + "\" is not a number of ticks";
-  if (!recording.commands.empty() && tick < recording.commands.back().tick) return "the ticks go back";
-  if (rest.rfind("end ", 0) == 0) {
-    RecordedEnd end;
-    end.ticks = tick;
-    if (!readHash(rest.substr(4), end.hash)) return "\"" + rest.substr(4) + "\" is not a hash of 16 digits";
-    recording.end = end;
-    return {};
+  if (tick < recording.ticks()) return "the ticks go back";
+  std::istringstream words(rest);
+  std::string name, hash;
+  words >> name >> hash;
+  if (name == "state" || name == "end") {
+    recording.states.push_back({tick, 0, name == "end"});
+    return readHash(hash, recording.states.back().hash) ? "" : "\"" + hash + "\" is not a hash of 16 digits";
   }
   Result<Command> command = parseCommand(rest);
   if (!command) return command.error();
@@ -187,8 +187,7 @@ Result<Recording> readRecording(const std::string& file) {
 }
 
 std::int64_t Recording::ticks() const {
-  if (end) return end->ticks;
-  return commands.empty() ? 0 : commands.back().tick;
+  return std::max(commands.empty() ? 0 : commands.back().tick, states.empty() ? 0 : states.back().tick);
 }
 
 // --- writing -----------------------------------------------------------------------------------------------
@@ -220,10 +219,14 @@ std::string lineOf(const RecordedCommand& command) {
   return std::to_string(command.tick) + " " + textOf(command.command) + "\n";
 }
 
-std::string lineOf(const RecordedEnd& end) {
+std::string lineOf(const RecordedState& state) {
   char hash[24];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(end.hash));
-  return std::to_string(end.ticks) + " end " + hash + "\n";
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(state.hash));
+  return std::to_string(state.tick) + (state.end ? " end " : " state ") + hash + "\n";
+}
+
+RecordedState stateOf(const Session& session, bool end) {
+  return {session.ticks(), scenes::stateHash(session.scene()), end};
 }
 
 Result<LineFile> LineFile::create(const std::string& file) {
@@ -242,15 +245,23 @@ bool LineFile::write(const std::string& lines) {
 // --- playing -----------------------------------------------------------------------------------------------
 
 bool Replay::prepare(Session& session) {
+  compare(session, false);
   const std::vector<RecordedCommand>& commands = recording_.commands;
-  while (next_ < commands.size() && commands[next_].tick <= session.ticks())
-    session.perform(commands[next_++].command);
+  while (nextCommand_ < commands.size() && commands[nextCommand_].tick <= session.ticks())
+    session.perform(commands[nextCommand_++].command);
+  compare(session, true);
   return session.ticks() < recording_.ticks();
 }
 
-std::string Replay::endProblem(const Session& session) const {
-  if (!recording_.end || scenes::stateHash(session.scene()) == recording_.end->hash) return {};
-  return "the run has ended in another state than the recorded one";
+void Replay::compare(const Session& session, bool end) {
+  const std::vector<RecordedState>& states = recording_.states;
+  if (nextState_ >= states.size()) return;
+  const RecordedState &expected = states[nextState_], now = stateOf(session, end);
+  if (expected.tick != now.tick || expected.end != end) return;
+  ++nextState_;
+  if (now.hash == expected.hash || !problem_.empty()) return;
+  problem_ =
+      "after " + std::to_string(now.tick) + " ticks the bodies are in another state than the recorded one";
 }
 
 }  // namespace limber::demo

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,11 +19,15 @@ struct RecordedCommand {
   Command command;
 };
 
-/// The end of a recorded run.
-struct RecordedEnd {
-  std::int64_t ticks = 0;
-  std::uint64_t hash = 0;  ///< scenes::stateHash() of the last scene
+/// The state of the bodies after so many ticks.
+struct RecordedState {
+  std::int64_t tick = 0;
+  std::uint64_t hash = 0;  ///< scenes::stateHash()
+  bool end = false;        ///< of the run
 };
+
+/// Ticks from one recorded state to the next.
+constexpr std::int64_t kStateTicks = 30;
 
 /// A run of a Session. As a file it is text of one fact a line:
 ///
@@ -43,7 +46,7 @@ struct Recording {
   SceneChoice choice;
   WindowSize size;
   std::vector<RecordedCommand> commands;  ///< by tick
-  std::optional<RecordedEnd> end;
+  std::vector<RecordedState> states;      ///< by tick; before the commands of the same tick, except the end
 
   /// Returns the number of ticks of the run.
   std::int64_t ticks() const;
@@ -57,7 +60,9 @@ Result<Recording> parseRecording(const std::string& text, const std::string& nam
 /// Returns the lines before the first command.
 std::string headerOf(const SceneChoice& choice, const WindowSize& size);
 std::string lineOf(const RecordedCommand& command);
-std::string lineOf(const RecordedEnd& end);
+std::string lineOf(const RecordedState& state);
+/// Returns the state of the session as it is now.
+RecordedState stateOf(const Session& session, bool end);
 
 /// Writes lines to a file at once, so that they stay if the program dies.
 class LineFile {
@@ -80,14 +85,18 @@ class Replay {
  public:
   explicit Replay(const Recording& recording) : recording_(recording) {}
 
-  /// Performs the commands before the next tick. Returns false at the end of the recording.
+  /// Compares the state and performs the commands before the next tick. Returns false at the end of the
+  /// recording.
   bool prepare(Session& session);
-  /// Returns why the end of the run is not the recorded one, or an empty string.
-  std::string endProblem(const Session& session) const;
+  /// Returns the first state that was not the recorded one, in words, or an empty string.
+  const std::string& problem() const { return problem_; }
 
  private:
+  void compare(const Session& session, bool end);
+
   Recording recording_;
-  std::size_t next_ = 0;
+  std::size_t nextCommand_ = 0, nextState_ = 0;
+  std::string problem_;
 };
 
 }  // namespace limber::demo

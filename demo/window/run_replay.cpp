@@ -43,8 +43,8 @@ ExitCode runReplay(const DemoOptions& options) {
     if (stopSignal != 0) throw Stopped{};
     session->tick();
   }
-  std::printf("%s", lineOf(RecordedEnd{session->ticks(), scenes::stateHash(session->scene())}).c_str());
-  const std::string problem = replay.endProblem(*session);
+  std::printf("%s", lineOf(stateOf(*session, true)).c_str());
+  const std::string& problem = replay.problem();
   if (!problem.empty())
     std::fprintf(stderr, "limber-demo: %s: %s\n", options.window.replay.c_str(), problem.c_str());
   return problem.empty() ? kSuccess : kWrongEnd;

@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kTitleFrames = 10, kLoggedFrames = 30;
+constexpr std::int64_t kTitleFrames = 10, kLoggedFrames = 10;
 
 double secondsBetween(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
@@ -61,6 +61,7 @@ class Play {
  private:
   void logLine(const char* format, ...) __attribute__((format(printf, 2, 3)));
   void listen();
+  void record(const std::string& line);
   void frame();
   void measure(double seconds);
   void advance(double seconds);
@@ -105,7 +106,7 @@ Play::Play(const DemoOptions& options)
       stage_(Window::functionAddress, window_.framebufferSize()),
       controls_(*session_, pace_, window_.size()) {
   if (recording_) replay_.emplace(*recording_);
-  if (record_) record_->write(headerOf(session_->choice(), window_.size()));
+  record(headerOf(session_->choice(), window_.size()));
   if (!options.window.picture.empty()) checkPicture(options.window.picture);
   listen();
   if (!replay_) performOptions(*session_, options);
@@ -123,12 +124,16 @@ void Play::logLine(const char* format, ...) {
 
 void Play::listen() {
   session_->setListener([this](const Command& command, const std::string& outcome) {
-    if (record_ && !record_->write(lineOf(RecordedCommand{session_->ticks(), command})))
-      throw std::runtime_error("cannot write " + options_.window.record + ": the disk may be full");
+    record(lineOf(RecordedCommand{session_->ticks(), command}));
     if (!outcome.empty()) panel_.setMessage(outcome);
     logLine("tick %lld: %s%s%s", ticks(), textOf(command).c_str(), outcome.empty() ? "" : ": ",
             outcome.c_str());
   });
+}
+
+void Play::record(const std::string& line) {
+  if (record_ && !record_->write(line))
+    throw std::runtime_error("cannot write " + options_.window.record + ": the disk may be full");
 }
 
 ExitCode Play::run() {
@@ -182,6 +187,7 @@ void Play::advance(double seconds) {
 
 void Play::tick() {
   const scenes::TickTimes times = session_->tick();
+  if (record_ && session_->ticks() % kStateTicks == 0) record(lineOf(stateOf(*session_, false)));
   if (session_->sceneNumber() != sceneNumber_) history_.clear();
   sceneNumber_ = session_->sceneNumber();
   history_.add(sampleOf(times, session_->energy()));
@@ -245,14 +251,14 @@ void Play::logStatus() {
 // --- the end -----------------------------------------------------------------------------------------------
 
 ExitCode Play::finish() {
-  const RecordedEnd end{session_->ticks(), scenes::stateHash(session_->scene())};
-  if (record_) record_->write(lineOf(end));
+  const std::string end = lineOf(stateOf(*session_, true));
+  record(end);
   if (!options_.window.picture.empty()) writePicture();
   const double seconds = secondsBetween(start_, Clock::now());
   logLine("closed after %lld frames in %.2f s, %.1f frames/s", static_cast<long long>(frames_), seconds,
           double(frames_) / seconds);
-  std::printf("%s", lineOf(end).c_str());
-  const std::string problem = replayed_ ? replay_->endProblem(*session_) : std::string();
+  std::printf("%s", end.c_str());
+  const std::string problem = replay_ ? replay_->problem() : std::string();
   if (problem.empty()) return kSuccess;
   std::fprintf(stderr, "limber-demo: %s: %s\n", options_.window.replay.c_str(), problem.c_str());
   return kWrongEnd;

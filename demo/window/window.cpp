@@ -84,8 +84,9 @@ void Window::openImGui() {
 
 // --- events ------------------------------------------------------------------------------------------------
 
-// ImGui calls these before its own. The events wait for the next frame, when ImGui knows what the mouse is
-// over.
+// ImGui calls these before its own. A position is that of the last movement: GLFW would tell where the mouse
+// is now, after the movements that still wait. The events wait for the next frame, when ImGui knows what the
+// mouse is over.
 void Window::listen() {
   glfwSetWindowUserPointer(window_, this);
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int code, int action, int modifiers) {
@@ -93,18 +94,19 @@ void Window::listen() {
     if (!button) return;
     Event event{action == GLFW_PRESS ? Event::Kind::Press : Event::Kind::Release, *button, {}, {}};
     event.modifiers = {(modifiers & GLFW_MOD_SHIFT) != 0, (modifiers & GLFW_MOD_CONTROL) != 0};
-    event.pixel = owner(window).mouse();
+    event.pixel = owner(window).mouse_;
     owner(window).events_.push_back(event);
   });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+    owner(window).mouse_ = {x, y};
     owner(window).events_.push_back({Event::Kind::Move, {}, {}, {x, y}});
   });
   glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double steps) {
-    owner(window).events_.push_back({Event::Kind::Scroll, {}, {}, owner(window).mouse(), steps});
+    owner(window).events_.push_back({Event::Kind::Scroll, {}, {}, owner(window).mouse_, steps});
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
     if (action == GLFW_RELEASE || keyOf(key) == '\0') return;
-    owner(window).events_.push_back({Event::Kind::Key, {}, {}, owner(window).mouse(), 0.0, keyOf(key)});
+    owner(window).events_.push_back({Event::Kind::Key, {}, {}, owner(window).mouse_, 0.0, keyOf(key)});
   });
 }
 
@@ -158,12 +160,6 @@ void Window::setTitle(const std::string& title) {
   if (title == title_) return;
   title_ = title;
   glfwSetWindowTitle(window_, title.c_str());
-}
-
-Pixel Window::mouse() const {
-  Pixel pixel;
-  glfwGetCursorPos(window_, &pixel.x, &pixel.y);
-  return pixel;
 }
 
 WindowSize Window::size() const {

@@ -48,10 +48,10 @@ class Window {
   void listen();
   void openImGui();
   void handle(const Event& event, Controls& controls) const;
-  Pixel mouse() const;
 
   GLFWwindow* window_ = nullptr;
   std::vector<Event> events_;
+  Pixel mouse_;  // at the last event
   std::string title_;
 };
 
