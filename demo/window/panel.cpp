@@ -45,7 +45,7 @@ void drawPlayback(Session& session, Pace& pace, Controls& controls) {
 
 void drawFigures(const Session& session, const History& history, const FrameFigures& figures) {
   const TickProfile& profile = session.scene().soft->profile();
-  ImGui::Text("%.0f frames/s   draw %.1f ms   tick %.2f ms", figures.framesPerSecond, figures.drawMs,
+  ImGui::Text("%.0f frames/s, draw %.1f ms, tick %.2f ms", figures.framesPerSecond, figures.drawMs,
               history.meanMs());
   ImGui::Text("%zu bodies, %zu awake, %zu points", session.scene().soft->bodyCount(), profile.awakeBodies,
               scenes::pointCount(session.scene()));
@@ -111,7 +111,7 @@ void drawTickPlot(const History& history) {
   for (const TickSample& sample : history.samples()) top = std::max(top, sample.totalMs);
   top = roundedUp(top);
   char caption[48];
-  std::snprintf(caption, sizeof caption, "tick, of %.3g ms", static_cast<double>(top));
+  std::snprintf(caption, sizeof caption, "tick, 0 to %.3g ms", static_cast<double>(top));
   {
     const PlotArea area(caption);
     for (std::size_t i = 0; i < history.samples().size(); ++i) {
@@ -139,7 +139,7 @@ void drawLinePlot(const History& history, const std::string& what, const char* u
   }
   top = roundedUp(top);
   char range[48];
-  std::snprintf(range, sizeof range, ", of %.3g%s", static_cast<double>(top), unit);
+  std::snprintf(range, sizeof range, ", 0 to %.3g%s", static_cast<double>(top), unit);
   const PlotArea area((what + range).c_str());
   for (std::size_t k = 0; k < count; ++k) {
     std::vector<ImVec2> line;

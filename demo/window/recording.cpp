@@ -192,6 +192,12 @@ std::int64_t Recording::ticks() const {
 
 // --- writing -----------------------------------------------------------------------------------------------
 
+const char* nameOf(scenes::Feel feel) {
+  return std::find_if(std::begin(kFeels), std::end(kFeels),
+                      [feel](const auto& one) { return one.second == feel; })
+      ->first;
+}
+
 std::string headerOf(const SceneChoice& choice, const WindowSize& size) {
   const scenes::SceneOptions& o = choice.options;
   std::string text = std::string(kFirstLine) + "\nscene " + choice.name + "\n";
@@ -206,7 +212,7 @@ std::string headerOf(const SceneChoice& choice, const WindowSize& size) {
   if (o.scale) add("scale", digits(*o.scale));
   if (!o.meshFile.empty()) {
     add("mesh", o.meshFile);
-    add("feel", kFeels[static_cast<std::size_t>(o.feel)].first);
+    add("feel", nameOf(o.feel));
     add("points", std::to_string(o.cook.points));
     if (o.cook.mode == CookMode::Braces) text += "braces\n";
     if (o.cook.pieces == PieceRule::Connected) text += "connect\n";

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
+#include "progress.h"
 #include "run_demo.h"
 #include "window/run_window.h"
 
 #include <cstdio>
+#include <memory>
 #include <stdexcept>
 
 namespace limber::demo {
@@ -28,7 +30,15 @@ std::unique_ptr<Session> createSession(const DemoOptions& options, const Recordi
     choice.options.cacheFolder = options.sceneOptions.cacheFolder;
     size = recording->size;
   }
+  constexpr double kPatience = 0.5;  // s
+  const auto bars = std::make_shared<StageProgress>(stderr, isTerminal(stderr), kPatience);
+  choice.options.cook.progress = [bars](const char* what, double done) {
+    bars->show(what, done);
+    return stopSignal == 0;
+  };
   Result<std::unique_ptr<Session>> session = Session::create(choice, size);
+  bars->finish();
+  if (stopSignal != 0) throw Stopped{};
   if (!session) throw std::runtime_error(session.error());
   for (const std::string& note : (*session)->scene().notes) std::fprintf(stderr, "%s\n", note.c_str());
   return std::move(*session);

@@ -47,8 +47,12 @@ std::optional<Recording> openReplay(const std::string& file) {
   return std::move(*recording);
 }
 
-void checkPicture(const std::string& file) {
-  if (const std::string reason = checkWritable(file); !reason.empty()) throw std::runtime_error(reason);
+/// Fails before the scene is made, which may take long, and before an old file is emptied.
+void checkFiles(const WindowOptions& options) {
+  for (const std::string& file : {options.record, options.log, options.picture}) {
+    if (file.empty()) continue;
+    if (const std::string reason = checkWritable(file); !reason.empty()) throw std::runtime_error(reason);
+  }
 }
 
 /// A window in which a session is played.
@@ -80,10 +84,10 @@ class Play {
   DemoOptions options_;
   std::optional<Recording> recording_;
   std::optional<Replay> replay_;
-  std::optional<LineFile> record_, log_;
   std::unique_ptr<Session> session_;
   Window window_;  // is destroyed after stage_
   Stage stage_;
+  std::optional<LineFile> record_, log_;
   Pace pace_;
   Controls controls_;
   Panel panel_;
@@ -99,15 +103,14 @@ class Play {
 Play::Play(const DemoOptions& options)
     : options_(options),
       recording_(openReplay(options.window.replay)),
-      record_(openLines(options.window.record)),
-      log_(openLines(options.window.log)),
       session_(createSession(options, recording_ ? &*recording_ : nullptr)),
       window_(recording_ ? recording_->size : WindowSize{options.width, options.height}, "limber-demo"),
       stage_(Window::functionAddress, window_.framebufferSize()),
+      record_(openLines(options.window.record)),
+      log_(openLines(options.window.log)),
       controls_(*session_, pace_, window_.size()) {
   if (recording_) replay_.emplace(*recording_);
   record(headerOf(session_->choice(), window_.size()));
-  if (!options.window.picture.empty()) checkPicture(options.window.picture);
   listen();
   if (!replay_) performOptions(*session_, options);
 }
@@ -190,7 +193,7 @@ void Play::tick() {
   if (record_ && session_->ticks() % kStateTicks == 0) record(lineOf(stateOf(*session_, false)));
   if (session_->sceneNumber() != sceneNumber_) history_.clear();
   sceneNumber_ = session_->sceneNumber();
-  history_.add(sampleOf(times, session_->energy()));
+  history_.add(sampleOf(times, session_->shows(Layer::Panel) ? session_->energy() : Energy{}));
 }
 
 /// Draws the scene and the panel; the window does not show them yet.
@@ -272,6 +275,9 @@ void Play::writePicture() {
 
 }  // namespace
 
-ExitCode runWindow(const DemoOptions& options) { return Play(options).run(); }
+ExitCode runWindow(const DemoOptions& options) {
+  checkFiles(options.window);
+  return Play(options).run();
+}
 
 }  // namespace limber::demo

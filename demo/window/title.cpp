@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: Zlib
 #include "window/title.h"
 
+#include "window/recording.h"
+
 #include <sstream>
 
 namespace limber::demo {
 namespace {
+
+void addMesh(std::ostream& out, const scenes::SceneOptions& options) {
+  out << " --mesh " << options.meshFile;
+  if (options.feel != scenes::Feel::Rubber) out << " --feel " << nameOf(options.feel);
+  if (options.cook.points > 0) out << " --points " << options.cook.points;
+  if (options.cook.mode == CookMode::Braces) out << " --braces";
+  if (options.cook.pieces == PieceRule::Connected) out << " --connect";
+}
 
 void addSceneOptions(std::ostream& out, const SceneChoice& choice) {
   const scenes::SceneOptions& o = choice.options;
   if (o.meshFile.empty())
     out << " --scene " << choice.name;
   else
-    out << " --mesh " << o.meshFile;
+    addMesh(out, o);
   if (o.seed != 1) out << " --seed " << o.seed;
   if (o.count) out << " --count " << *o.count;
   if (o.stiffness) out << " --stiffness " << *o.stiffness;
