@@ -93,7 +93,7 @@ class Play {
   Panel panel_;
   History history_;
   FrameFigures figures_;
-  Clock::time_point start_ = Clock::now(), frameStart_ = start_;
+  Clock::time_point start_, frameStart_;  // of the first frame, of the present one
   std::int64_t frames_ = 0;
   int sceneNumber_ = 0;  // that history_ is of
   bool wasPaused_ = false;
@@ -140,6 +140,7 @@ void Play::record(const std::string& line) {
 }
 
 ExitCode Play::run() {
+  start_ = frameStart_ = Clock::now();
   logLine("opened %d x %d, %s", window_.size().width, window_.size().height, stage_.driver().c_str());
   while (!ends()) {
     if (stopSignal != 0) throw Stopped{};
