@@ -254,24 +254,26 @@ std::string Session::apply(Setting setting) {
     applyGravity();
     return {};
   }
-  if (setting != Setting::Wind && setting != Setting::WindDirection) return changeBodies();
+  if (setting != Setting::Wind && setting != Setting::WindDirection)
+    return changeBodies(setting == Setting::Pressure);
   Air air = scene_->soft->air();
   const double angle = kRadian * settings_[Setting::WindDirection];
   air.wind = settings_[Setting::Wind] * Eigen::Vector3d(std::cos(angle), 0.0, std::sin(angle));
   return scene_->soft->setAir(air).error();
 }
 
-/// Returns the reasons of bodies that cannot have the settings; they keep theirs.
-std::string Session::changeBodies() {
+/// Returns the reasons of bodies that cannot have the settings. Open bodies cannot have the pressure, but all
+/// other settings; that is told only where the pressure itself is set.
+std::string Session::changeBodies(bool tellPressure) {
   std::vector<std::string> problems;
   for (std::size_t b = 0; b < scene_->soft->bodyCount(); ++b) {
     SoftBody& body = *scene_->soft->body(b);
     SoftBodySettings wanted = changed(body.settings(), made_[b], settings_);
     Result<void> done = body.change(wanted);
     if (done) continue;
-    problems.push_back("body " + std::to_string(b) + ": " + done.error());
-    wanted.pressure = made_[b].pressure;  // open bodies have no pressure, but may have the rest
-    static_cast<void>(body.change(wanted));
+    wanted.pressure = made_[b].pressure;
+    const Result<void> otherwise = body.change(wanted);
+    if (tellPressure || !otherwise) problems.push_back("body " + std::to_string(b) + ": " + done.error());
   }
   if (problems.size() > 1) return problems[0] + "; and " + std::to_string(problems.size() - 1) + " more";
   return joined(problems);

@@ -70,7 +70,7 @@ class Session {
   std::string restart();
   std::string nextScene(const std::string& name);
   std::string apply(Setting setting);
-  std::string changeBodies();
+  std::string changeBodies(bool tellPressure);
   void applyGravity();
 
   SceneChoice choice_;

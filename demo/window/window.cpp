@@ -105,7 +105,8 @@ void Window::listen() {
     owner(window).events_.push_back({Event::Kind::Scroll, {}, {}, owner(window).mouse_, steps});
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
-    if (action == GLFW_RELEASE || keyOf(key) == '\0') return;
+    const bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && keyOf(key) == '.');
+    if (!counts || keyOf(key) == '\0') return;
     owner(window).events_.push_back({Event::Kind::Key, {}, {}, owner(window).mouse_, 0.0, keyOf(key)});
   });
 }

@@ -133,6 +133,8 @@ TEST(Session, pressureIsForClosedBodiesOnly) {
   const auto cloth = sessionOf("cloth", 0);
   EXPECT_NE(cloth->perform({Action::Set, {50.0}, "pressure"}), "");
   EXPECT_EQ(cloth->scene().soft->body(0)->settings().pressure, 0.0);
+  EXPECT_EQ(cloth->perform({Action::Set, {12.0}, "max-substeps"}), "");
+  EXPECT_EQ(cloth->scene().soft->body(0)->settings().stepping.maxSubsteps, 12);
 }
 
 TEST(Session, titleIsTheCommandLineOfTheScene) {
