@@ -280,7 +280,8 @@ TEST(HeldContacts, neverPull) {
 
 /// A cloth that touches itself and a hull is softened to what maxSubsteps resolve. A corner is moved, which
 /// stretches the cloth to several times its length. The energy after the move is the upper limit, but for the
-/// factor 1 / (1 - (omega dt)^2 / 4) = 2 by which the energy of Verlet's oscillations varies at (omega dt)^2 = 2.
+/// factor 1 / (1 - (omega dt)^2 / 4) = 2 by which the energy of Verlet's oscillations varies at (omega dt)^2
+/// = 2.
 TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
   if (!test::kSurface) GTEST_SKIP() << "only surfaces touch themselves";
   for (unsigned seed = 0; seed < 16; ++seed) {

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -404,6 +405,29 @@ TEST(ContactFilter, aFilterThatChangesNothingChangesNoBit) {
     hashes.push_back(cube->stateHash());
   }
   EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(ContactFilter, numbersThatAreNotFiniteAreIgnored) {
+  constexpr btScalar kNaN = std::numeric_limits<btScalar>::quiet_NaN();
+  constexpr btScalar kInfinite = std::numeric_limits<btScalar>::infinity();
+  for (const Ground ground : kGrounds)
+    for (const btScalar nonsense : {kNaN, kInfinite}) {
+      SCOPED_TRACE(static_cast<int>(ground));
+      BulletWorld bullet;
+      addGround(bullet, ground);
+      SoftBodySystem system(*bullet.world);
+      system.setContactFilter([&](ContactCandidate& c) {
+        c.friction = double(nonsense);
+        c.restitution = c.massFactor = c.otherMassFactor = double(nonsense);
+        c.surfaceVelocity = c.facing = btVector3(nonsense, nonsense, nonsense);
+      });
+      SoftBody* cube = addFilteredCube(system, 0.01);
+      bullet.simulate(1.0);
+      // an infinite restitution counts as 1
+      EXPECT_GT(test::lowest(*cube), 0.5 * kRadius);
+      EXPECT_LT(test::lowest(*cube), 0.1);
+      EXPECT_EQ(cube->restorations(), 0u);
+    }
 }
 
 }  // namespace

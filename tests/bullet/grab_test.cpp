@@ -164,5 +164,19 @@ TEST(SurfaceGrab, holdsWhatARayHits) {
   EXPECT_GT(cube->centerOfMass().y(), -1.2) << "it hangs there";
 }
 
+TEST(Grab, holdsNothingOnceTheWorldOrThePlaceInItIsGone) {
+  auto bullet = std::make_unique<BulletWorld>();
+  SoftBodySystem system(*bullet->world);
+  SoftBody* cube = addGrabbedCube(system);
+  Result<Grab> made = grab(system, cube, 7);
+  ASSERT_TRUE(made);
+  Grab held = std::move(*made);
+  EXPECT_TRUE(held.holds());
+  bullet.reset();
+  EXPECT_FALSE(held.holds());
+  held.moveTo(vec(1, 1, 1));
+  held.release();
+}
+
 }  // namespace
 }  // namespace limber

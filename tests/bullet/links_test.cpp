@@ -369,5 +369,24 @@ TEST(Attach, badOnesAreRefusedWithTheReason) {
   EXPECT_FALSE(system.attach(body, 1, *body->point(0)));
 }
 
+TEST(Links, bodiesOfOtherWorldsAreRefused) {
+  BulletWorld bullet, other;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
+  btRigidBody* stranger = other.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
+  const std::string reason = "the rigid body is in another world";
+  EXPECT_EQ(system.attach(body, 0, *stranger).error(), reason);
+  EXPECT_EQ(system.addSpring({body->point(0)}, {stranger}).error(), reason);
+  EXPECT_EQ(system.addSpring({stranger}, {nullptr, btVector3(0, 8, 0)}).error(), reason);
+  EXPECT_EQ(system.springCount(), 0u);
+  // in no world it may be attached before it is added to this one
+  other.world->removeRigidBody(stranger);
+  EXPECT_TRUE(system.attach(body, 0, *stranger));
+  EXPECT_TRUE(system.addSpring({body->point(1)}, {stranger}));
+  bullet.tick();
+  system.forget(*stranger);
+  other.world->addRigidBody(stranger);
+}
+
 }  // namespace
 }  // namespace limber

@@ -8,6 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+
 namespace limber {
 namespace {
 
@@ -188,6 +191,70 @@ TEST(Sleep, aPointLetGoMovesHoweverLongTheBodyWasCalm) {
     body->unpin(2);
     bullet.simulate(1.0);
     EXPECT_NEAR(body->position(2).y(), -1.0, 0.01) << "calm for " << calm << " s";
+  }
+}
+
+TEST_F(SleepTest, aLongTickPutsNoFallingBodyToSleep) {
+  for (const double deactivationTime : {2.0, 0.016}) {
+    gDeactivationTime = static_cast<btScalar>(deactivationTime);
+    SoftBody* body = restingCube(0, 200);
+    bullet.tick(std::max(1.05 * deactivationTime, 1.0 / 60.0));
+    bullet.simulate(0.2);
+    EXPECT_FALSE(body->sleeping()) << deactivationTime;
+    EXPECT_LT(body->linearMomentum().y(), -1.0) << deactivationTime;
+    system.destroyBody(body);
+  }
+}
+
+/// A box on a soft cube on another soft cube, all asleep.
+struct SleepingStack {
+  SleepingStack() : system(*bullet.world) {
+    bullet.addBoxFloor();
+    SoftBodySettings s = test::testedSettings();
+    s.damping = 5;
+    s.position = {0, 0.6, 0};
+    lower = *system.createBody(test::closedCubeNetwork(), s);
+    s.position = {0, 1.7, 0};
+    upper = *system.createBody(test::closedCubeNetwork(), s);
+    box = bullet.addBox(test::vec(0.6, 0.2, 0.6), 0.2, test::vec(0, 2.6, 0));
+    for (int i = 0; i < 1200 && !isAsleep(); ++i) bullet.tick();
+    EXPECT_TRUE(isAsleep());
+  }
+  bool isAsleep() const { return lower->sleeping() && upper->sleeping() && !box->isActive(); }
+  double heightOfBox() const { return double(box->getWorldTransform().getOrigin().y()); }
+
+  BulletWorld bullet;
+  SoftBodySystem system;
+  SoftBody *lower, *upper;
+  btRigidBody* box;
+};
+
+TEST(Sleep, whatRestedOnADestroyedBodyFalls) {
+  SleepingStack stack;
+  stack.system.destroyBody(stack.lower);
+  stack.bullet.simulate(2.0);
+  EXPECT_LT(stack.upper->centerOfMass().y(), 0.7);
+  EXPECT_LT(stack.heightOfBox(), 1.6);
+  stack.bullet.simulate(6.0);
+  stack.system.destroyBody(stack.upper);
+  stack.bullet.simulate(2.0);
+  EXPECT_LT(stack.heightOfBox(), 0.5);
+}
+
+TEST(Sleep, whatRestedOnABodyFallsWhenItIsTakenAway) {
+  const btTransform away(btQuaternion::getIdentity(), test::vec(5, 0.52, 0));
+  const std::function<void(SoftBody&)> ways[] = {
+      [&](SoftBody& body) { EXPECT_TRUE(body.setTransform(away)); },
+      [&](SoftBody& body) { EXPECT_TRUE(body.reset(away)); },
+      [&](SoftBody& body) { body.surfaceObject()->setWorldTransform(away); }};
+  for (const auto& takeAway : ways) {
+    // sleeping points that are moved by hand wake nothing, like Bullet's bodies
+    if (&takeAway == &ways[2] && !test::kSurface) continue;
+    SleepingStack stack;
+    takeAway(*stack.upper);
+    stack.bullet.simulate(2.0);
+    EXPECT_NEAR(stack.upper->centerOfMass().x(), 5.0, 0.1);
+    EXPECT_LT(stack.heightOfBox(), 1.6) << "way " << &takeAway - ways;
   }
 }
 

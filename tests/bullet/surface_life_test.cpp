@@ -325,5 +325,20 @@ TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   bullet.tick();
 }
 
+TEST(SurfaceLife, aBodyWhoseObjectTheApplicationHasRemovedIsNotAlive) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s;
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  EXPECT_TRUE(body->alive());
+  bullet.world->removeRigidBody(body->surfaceObject());
+  EXPECT_FALSE(body->alive()) << "before the next tick";
+  EXPECT_FALSE(system.clone(body, btTransform::getIdentity()));
+  EXPECT_EQ(system.bodyCount(), 1u);
+  bullet.tick();
+  EXPECT_FALSE(body->alive());
+  ASSERT_TRUE(system.destroyBody(body));
+}
+
 }  // namespace
 }  // namespace limber

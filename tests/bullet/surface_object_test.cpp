@@ -331,5 +331,46 @@ TEST(SurfaceObjects, aHeldBodyOnAFloorStaysOnIt) {
   bullet.world->removeConstraint(&joint);
 }
 
+/// A free soft cube, or its rigid twin, that a joint holds to a rigid box, which starts at 4 m/s.
+struct JoinedPair {
+  explicit JoinedPair(const Vector3d& velocity) : twins(0.0, {0, 0, 0}) {
+    for (auto [body, world] :
+         {std::pair(twins.object, &twins.world), std::pair(twins.twin, &twins.twinWorld)}) {
+      btRigidBody* box = world->addBox(vec(0.2, 0.2, 0.2), 1, vec(0, 1.2, 0));
+      box->setActivationState(DISABLE_DEACTIVATION);
+      box->setLinearVelocity(vec(velocity.x(), velocity.y(), velocity.z()));
+      boxes.push_back(box);
+      joints.push_back(
+          std::make_unique<btPoint2PointConstraint>(*body, *box, vec(0, 0.6, 0), vec(0, -0.6, 0)));
+      world->world->addConstraint(joints.back().get(), true);
+    }
+  }
+  ~JoinedPair() {
+    twins.world.world->removeConstraint(joints[0].get());
+    twins.twinWorld.world->removeConstraint(joints[1].get());
+  }
+  Vector3d softMomentum() const { return twins.soft->linearMomentum() + momentumOf(*boxes[0]); }
+  Vector3d softSpin() const { return twins.soft->angularMomentum() + angularMomentumOf(*boxes[0]); }
+  Vector3d twinSpin() const { return angularMomentumOf(*twins.twin) + angularMomentumOf(*boxes[1]); }
+
+  Twins twins;
+  std::vector<btRigidBody*> boxes;
+  std::vector<std::unique_ptr<btPoint2PointConstraint>> joints;
+};
+
+TEST(SurfaceObjects, aJointKeepsMomentumAndAngularMomentum) {
+  for (const Vector3d& velocity : {Vector3d(4, 0, 0), Vector3d(4, 0, 1)}) {
+    JoinedPair pair(velocity);
+    const Vector3d momentum = pair.softMomentum(), spin = pair.softSpin();
+    for (int i = 0; i < 600; ++i) {
+      pair.twins.tick();
+      // within the rounding of Bullet's floats
+      ASSERT_LT((pair.softMomentum() - momentum).norm(), 2e-4) << "tick " << i;
+    }
+    const double twinError = (pair.twinSpin() - spin).norm();
+    EXPECT_LT((pair.softSpin() - spin).norm(), twinError + 0.02 * spin.norm()) << "the twin's: " << twinError;
+  }
+}
+
 }  // namespace
 }  // namespace limber

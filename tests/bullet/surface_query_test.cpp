@@ -181,5 +181,37 @@ TEST(SurfaceOfARope, isFoundAlongItsSprings) {
     }
 }
 
+TEST(SurfaceQueries, findAMovedBodyAtOnce) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.pointRadius = 0.05;
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  bullet.tick();
+  const auto isHitAt = [&](double x) {
+    Ray ray(test::vec(x, 5, 0.5), test::vec(x, -5, 0.5));
+    bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
+    return ray.hasHit();
+  };
+  ASSERT_TRUE(isHitAt(0.5));
+  const std::vector<std::uint8_t> state = body->saveState();
+  const btTransform there(btQuaternion::getIdentity(), test::vec(100, 0, 0));
+  ASSERT_TRUE(body->setTransform(there));
+  EXPECT_TRUE(isHitAt(100.5));
+  EXPECT_FALSE(isHitAt(0.5));
+  ASSERT_TRUE(body->reset());
+  EXPECT_TRUE(isHitAt(0.5));
+  EXPECT_FALSE(isHitAt(100.5));
+  SoftBodySettings large = body->settings();
+  large.scale = {3, 1, 1};
+  ASSERT_TRUE(body->change(large));
+  EXPECT_TRUE(isHitAt(1.5));
+  ASSERT_TRUE(body->reset(there));
+  EXPECT_TRUE(isHitAt(101.5));
+  ASSERT_TRUE(body->restoreState(state));
+  EXPECT_TRUE(isHitAt(0.5));
+  EXPECT_FALSE(isHitAt(101.5));
+}
+
 }  // namespace
 }  // namespace limber

@@ -277,6 +277,37 @@ bool wholeInWorld(const SoftBodyData& body) {
   return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
 }
 
+void updateQueryBoxes(SoftBodyData& body) {
+  if (isSurfaceBody(body)) return updateQueryBox(body);
+  for (PointMass* point : body.masses.bodies)
+    if (isInWorld(point)) body.world->updateSingleAabb(point);
+}
+
+namespace {
+
+void wakeRigid(btCollisionObject& object, bool insideTick) {
+  if (object.isActive() || isStaticOrKinematic(object)) return;
+  object.activate();
+  btRigidBody* rigid = btRigidBody::upcast(&object);
+  if (rigid && insideTick) rigid->applyGravity();
+}
+
+}  // namespace
+
+void wakeNeighbours(SoftBodyData& body, bool insideTick) {
+  if (!anyInWorld(body)) return;
+  const double margin = 2.0 * radiusOf(body) + double(gContactBreakingThreshold);
+  const Eigen::Vector3d low = body.state.position.rowwise().minCoeff().array() - margin;
+  const Eigen::Vector3d high = body.state.position.rowwise().maxCoeff().array() + margin;
+  forEachObjectIn(*body.world, toBullet(low), toBullet(high), [&](btCollisionObject& object) {
+    const SurfaceObject* surface = SurfaceObject::from(&object);
+    const PointMass* point = PointMass::from(&object);
+    SoftBodyData* owner = surface ? surface->owner() : point ? point->owner() : nullptr;
+    if (owner && owner != &body && owner->alive && owner->asleep) wakeBody(*owner, insideTick);
+    if (!surface && !point) wakeRigid(object, insideTick);
+  });
+}
+
 void wakeBody(SoftBodyData& body, bool insideTick) {
   if (isSurfaceBody(body))
     wakeSurface(body);

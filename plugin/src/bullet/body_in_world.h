@@ -78,6 +78,13 @@ bool anyInWorld(const SoftBodyData& body);
 /// Returns whether all of the body's objects are in a world that still exists.
 bool wholeInWorld(const SoftBodyData& body);
 
+/// Makes Bullet's queries find a body that was moved between ticks at its new place, before the next tick.
+void updateQueryBoxes(SoftBodyData& body);
+
+/// Wakes what is near the body and may rest on it, before the body leaves its place. `insideTick`: see
+/// wakeBody().
+void wakeNeighbours(SoftBodyData& body, bool insideTick);
+
 /// Wakes the body. `insideTick`: also applies the gravity of this step, which it missed while asleep.
 void wakeBody(SoftBodyData& body, bool insideTick);
 

@@ -75,6 +75,12 @@ inline bool isKinematic(const btCollisionObject& object) {
   return object.isKinematicObject() || object.getInternalType() == btCollisionObject::CO_GHOST_OBJECT;
 }
 
+/// Returns whether the object is the ghost of a character controller.
+inline bool isCharacter(const btCollisionObject& object) {
+  return object.getInternalType() == btCollisionObject::CO_GHOST_OBJECT &&
+         (object.getCollisionFlags() & btCollisionObject::CF_CHARACTER_OBJECT) != 0;
+}
+
 inline bool isStatic(const btCollisionObject& object) {
   return object.isStaticObject() && !isKinematic(object);
 }

@@ -120,6 +120,7 @@ void makeWhole(SoftBodyData& body) {
 Result<void> resetBody(SoftBodyData& body, const Placement* at) {
   if (!body.alive) return notAlive();
   readFromBullet(body);
+  wakeNeighbours(body, false);
   makeWhole(body);
   if (at)
     placeAtRest(body, *at);
@@ -130,6 +131,7 @@ Result<void> resetBody(SoftBodyData& body, const Placement* at) {
     if (body.masses.held[static_cast<std::size_t>(i)]) body.state.velocity.col(i).setZero();
   forgetPath(body);
   writeToBullet(body, true);
+  updateQueryBoxes(body);
   wakeBody(body, false);
   return {};
 }
@@ -186,9 +188,11 @@ Result<void> SoftBody::setTransform(const btTransform& transform) {
   if (Result<void> valid = checkTransform(transform); !valid) return valid;
   readFromBullet(*data_);
   const Placement from = placementOf(*data_), to = placementOf(transform);
+  wakeNeighbours(*data_, false);
   moveRigidly(*data_, to.rotation * from.rotation.conjugate(), from.center, to.center, true);
   forgetPath(*data_);
   writeToBullet(*data_, true);
+  updateQueryBoxes(*data_);
   wake();
   return {};
 }
@@ -225,6 +229,7 @@ Result<void> SoftBody::teleportPin(std::uint32_t i, const btVector3& target) {
   writePoint(*data_, i);
   remember(data_->masses, i);
   writeToBullet(*data_);
+  updateQueryBoxes(*data_);
   return {};
 }
 
@@ -476,6 +481,7 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
   forgetMotion(body);
   forgetSearches(body);
   writeToBullet(body);
+  updateQueryBoxes(body);
   wakeBody(body, false);
   *body.groupsStale = true;
   return {};

@@ -5,6 +5,7 @@
 #include "bullet/contact_filter.h"
 
 #include "bullet/bullet_objects.h"
+#include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
@@ -90,6 +91,8 @@ void ask(const SoftBodyData& body, const SoftBodyData* other, ContactCandidate& 
   if (isFiltered(body)) (*body.filter)(c);
   if (other && other->filter != body.filter && isFiltered(*other)) (*other->filter)(c);
   if (!(c.friction >= 0.0)) c.friction = 0.0;
+  if (!isSound(c.surfaceVelocity)) c.surfaceVelocity.setZero();
+  if (!isFinite(c.facing)) c.facing.setZero();
   if (!(c.restitution >= 0.0)) c.restitution = 0.0;
   c.restitution = std::min(c.restitution, 1.0);
 }

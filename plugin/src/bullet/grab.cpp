@@ -67,7 +67,7 @@ Grab& Grab::operator=(Grab&& other) noexcept {
   return *this;
 }
 
-bool Grab::holds() const { return body_ && springs_[0] && springs_[1] && springs_[2]; }
+bool Grab::holds() const { return body_ && body_->alive() && springs_[0] && springs_[1] && springs_[2]; }
 
 void Grab::moveTo(const btVector3& place, const btVector3& velocity) {
   if (!holds() || !isFinitePlace(place) || !isFinitePlace(velocity)) return;

@@ -421,6 +421,7 @@ bool isHeldContact(const SurfaceCandidate& m, const SurfaceContact& c, double ma
 void setHeldSide(const SurfaceCandidate& m, const SurfaceContact& c, double seconds, double tick,
                  Contact& contact) {
   const double radiusSum = m.part->moving.radius + m.body->surface.moving.radius;
+  contact.gap += standingDepth(*m.body->world, *m.held, c.normal);
   if (isMoved(*m.held)) {
     Vector3d displacement = Vector3d::Zero();
     for (std::size_t i = 0; i < 3; ++i)

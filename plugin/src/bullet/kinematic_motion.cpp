@@ -83,6 +83,14 @@ void advance(KinematicMotion& m, btScalar tick) {
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }
 
+/// Makes the vertical part of a character's motion a placement. A controller steps up and down by tens of
+/// centimetres in a tick, to wherever it has found a surface. A body that this motion pushed would be thrown.
+void placeVertically(KinematicMotion& m, const btVector3& gravity) {
+  if (!isCharacter(*m.object) || gravity.fuzzyZero()) return;
+  const btVector3 down = gravity.normalized(), motion = m.end.getOrigin() - m.start.getOrigin();
+  m.start.setOrigin(m.start.getOrigin() + motion.dot(down) * down);
+}
+
 /// Computes the box of the motion. A rotation also sweeps the region between the end poses, which extends at
 /// most radius * (1 - cos(angle / 2)) beyond them.
 void fitBox(KinematicMotion& m) {
@@ -120,7 +128,7 @@ void KinematicMotions::start(const btCollisionWorld& world) {
   }
 }
 
-void KinematicMotions::follow(const btCollisionWorld& world, btScalar tick) {
+void KinematicMotions::follow(const btDiscreteDynamicsWorld& world, btScalar tick) {
   std::swap(motions_, last_);
   motions_.clear();
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
@@ -135,6 +143,7 @@ void KinematicMotions::follow(const btCollisionWorld& world, btScalar tick) {
       motion.end = object.getWorldTransform();
     motion.recordedBetweenSteps = false;
     advance(motion, tick);
+    placeVertically(motion, world.getGravity());
     fitBox(motion);
     motions_.push_back(motion);
   }

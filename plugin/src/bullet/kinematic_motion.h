@@ -13,6 +13,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <vector>
 
 namespace limber {
@@ -43,7 +44,7 @@ class KinematicMotions {
   void start(const btCollisionWorld& world);
 
   /// Computes the motions of a tick, at its start.
-  void follow(const btCollisionWorld& world, btScalar tick);
+  void follow(const btDiscreteDynamicsWorld& world, btScalar tick);
 
   const std::vector<KinematicMotion>& all() const { return motions_; }
 
@@ -67,8 +68,21 @@ class KinematicMotions {
 };
 
 /// Returns whether an object is kinematic and moves in this tick, while kinematic ones are Rewound.
+/// Characters count as moving, so that all their contacts have a standingDepth().
 inline bool isMoved(const btCollisionObject& object) {
-  return isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform());
+  return isCharacter(object) ||
+         (isKinematic(object) && !(object.getWorldTransform() == object.getInterpolationWorldTransform()));
+}
+
+/// Returns the depth (m) at which a contact with a character's ghost begins to push; 0 for other objects.
+/// `normal` is from the object to the soft body. A btKinematicCharacterController stands this deep in what is
+/// below it. Without the depth it would press a soft body down in each tick, and follow it.
+inline double standingDepth(const btDiscreteDynamicsWorld& world, const btCollisionObject& object,
+                            const Eigen::Vector3d& normal) {
+  if (!isCharacter(object)) return 0.0;
+  const double downward = normal.dot(toEigen(world.getGravity()).stableNormalized());
+  return std::max(downward, 0.0) *
+         double(const_cast<btDiscreteDynamicsWorld&>(world).getDispatchInfo().m_allowedCcdPenetration);
 }
 
 /// Returns the displacement (m) of a position on a kinematic object in the tick, while it is Rewound; 0 on

@@ -373,6 +373,10 @@ void sleepGroup(LinkedGroup& group) {
 
 bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar(0); }
 
+/// Returns the calm time (s) that a tick adds. One very long tick does not put a body to sleep: it may have
+/// been released at its start.
+double calmTimeOf(btScalar tick) { return std::min(double(tick), 0.5 * double(gDeactivationTime)); }
+
 /// Woken from outside (a contact, the user), or kept awake; otherwise its calm time goes on.
 void updateCalmTime(LinkedGroup& group, btScalar tick) {
   // wake() resets the calm time of a body that is awake
@@ -382,11 +386,14 @@ void updateCalmTime(LinkedGroup& group, btScalar tick) {
     for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
     return;
   }
+  if (group.asleep)
+    for (SoftBodyData* body : group.bodies)
+      if (isSurfaceBody(*body) && isSurfaceChanged(*body)) wakeNeighbours(*body, true);
   if (group.asleep || anyMember(group, [](btRigidBody& body) {
         return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;
       }))
     wakeGroup(group);
-  group.calmTime = sleepIsOff() || movesTooFast(group, tick) ? 0.0 : group.calmTime + double(tick);
+  group.calmTime = sleepIsOff() || movesTooFast(group, tick) ? 0.0 : group.calmTime + calmTimeOf(tick);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
   for (SoftBodyData* body : group.bodies)
     if (body->surface.object)

@@ -122,7 +122,7 @@ struct PlaneRows {
     PlaneContact row = makeRow();
     row.normal = normal.normalized();
     row.surfaceVelocity = kinematicDisplacement(partner, toEigen(surface)) / double(tick);
-    row.touch = toEigen(surface) + radius() * row.normal;
+    row.touch = toEigen(surface) + (radius() - standingDepth(*body.world, partner, row.normal)) * row.normal;
     for (std::size_t i = first; i < body.contacts.size(); ++i)
       if (body.contacts[i].normal.dot(row.normal) > kSameSurface) {
         if (gap(row) < gap(body.contacts[i])) body.contacts[i] = row;

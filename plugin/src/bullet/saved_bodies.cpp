@@ -121,6 +121,7 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
 
 Result<SoftBody*> SoftBodySystem::clone(SoftBody* body, const btTransform& transform) {
   if (!impl_->step->owns(body)) return Error{"the soft body is not, or no longer, in this world"};
+  if (!body->alive()) return notAlive();
   const Bytes state = body->saveState();
   Result<SoftBody*> copy = createBody(body->sharedNetwork(), body->settings());
   if (!copy) return copy;

@@ -402,6 +402,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   mediumOf(body).lastWind = s.lastWind;
   forgetCaches(body);
   writeToBullet(body);
+  updateQueryBoxes(body);
   // writing has iterated further
   body.surface.frame = s.frame;
   if (s.asleep) putToSleep(body);

@@ -41,7 +41,7 @@ const SoftBodySettings& SoftBody::settings() const { return data_->settings; }
 std::uint32_t SoftBody::pointCount() const {
   return static_cast<std::uint32_t>(data_->model->network->restPoints.size());
 }
-bool SoftBody::alive() const { return data_->alive; }
+bool SoftBody::alive() const { return data_->alive && wholeInWorld(*data_); }
 const std::string& SoftBody::name() const { return data_->name; }
 void SoftBody::setName(std::string name) { data_->name = std::move(name); }
 void* SoftBody::userPointer() const { return data_->userPointer; }

@@ -32,13 +32,23 @@ bool isValidPivot(const btVector3& place) {
   return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxPivotDistance;
 }
 
+/// Returns whether the body is in a world other than this one.
+bool isElsewhere(const btRigidBody& body, const btCollisionWorld& world) {
+  if (!body.isInWorld()) return false;
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  const int index = body.getWorldArrayIndex();
+  if (index >= 0 && index < objects.size() && objects[index] == &body) return false;
+  return objects.findLinearSearch(const_cast<btRigidBody*>(&body)) == objects.size();
+}
+
 /// Returns the reason why a link of the systems with this step cannot be attached to a body; empty if it can.
-std::string whyNotHeld(const btRigidBody* body, const void* step) {
+std::string whyNotHeld(const btRigidBody* body, const btCollisionWorld& world, const void* step) {
   if (SurfaceObject::from(body))
     return "a surface object cannot be held: hold on to a point mass of that soft body, SoftBody::point(i)";
   const PointMass* point = PointMass::from(body);
   if (point && (!point->owner() || point->owner()->system != step))
     return "the point mass belongs to a soft body in another world";
+  if (body && !point && isElsewhere(*body, world)) return "the rigid body is in another world";
   return {};
 }
 
@@ -107,6 +117,7 @@ SoftBodySystem::~SoftBodySystem() {
   for (auto& body : impl_->bodies) {
     for (btRigidBody* point : body->data_->masses.bodies)
       if (point) impl_->dropSprings(*point);
+    wakeNeighbours(*body->data_, false);
     removeFromWorld(*body->data_);
   }
   if (alive) impl_->step->restoreBulletState();
@@ -188,6 +199,7 @@ void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
   for (btRigidBody* point : body->data_->masses.bodies)
     if (point) forget(*point);
   step->forgetGroups();
+  wakeNeighbours(*body->data_, false);
   removeFromWorld(*body->data_);
   bodies.erase(find(bodies, body));
   const auto isPushed = [](const auto& other) {
@@ -208,7 +220,8 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
   if (!a.body && !b.body) return Error{"a spring needs a body at one of its ends"};
   for (const SpringEnd& end : {a, b}) {
-    if (std::string reason = whyNotHeld(end.body, impl_->step.get()); !reason.empty()) return Error{reason};
+    if (std::string reason = whyNotHeld(end.body, *impl_->world, impl_->step.get()); !reason.empty())
+      return Error{reason};
     if (!isValidPivot(end.pivot)) return Error{"a pivot of the spring is not finite, or farther than 1e6"};
   }
   if (a.body == b.body && (PointMass::from(a.body) || (a.pivot - b.pivot).length2() == btScalar(0)))
@@ -300,6 +313,7 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   if (PointMass::from(&body) || SurfaceObject::from(&body))
     return Error{
         "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
+  if (isElsewhere(body, *impl_->world)) return Error{"the rigid body is in another world"};
   if (!isValidPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
   if (!(breakForce >= 0.0 && breakForce <= 1e18)) return Error{"breakForce must be from 0 to 1e18"};
   Anchor anchor{i, &body, pivot};

@@ -345,6 +345,14 @@ void updateBroadphaseBox(SoftBodyData& body, btScalar tick) {
   body.world->updateSingleAabb(s.object);
 }
 
+void updateQueryBox(SoftBodyData& body) {
+  SurfaceData& s = body.surface;
+  if (!s.object || !s.object->isInWorld()) return;
+  s.sweptBounds = sweptBoundsOf(body, 0.0);
+  setBox(body);
+  body.world->updateSingleAabb(s.object);
+}
+
 void writeBoxToBullet(SoftBodyData& body, btScalar tick) {
   body.surface.sweptBounds = sweptBoundsOf(body, double(tick));
   setBox(body);

@@ -147,6 +147,9 @@ void gatherSurface(SoftBodyData& body, btScalar tick);
 /// changed the body's velocity since the last tick. Other bodies search for it in the broadphase.
 void updateBroadphaseBox(SoftBodyData& body, btScalar tick);
 
+/// Sets the box in Bullet's broadphase to the present points, between ticks.
+void updateQueryBox(SoftBodyData& body);
+
 /// Sets the box for the broadphase after the step: it contains the motion of this tick and all positions that
 /// the points may have in the next one. Calls writeObjectToBullet().
 void writeBoxToBullet(SoftBodyData& body, btScalar tick);

@@ -3,6 +3,7 @@
 // This file makes the surface object a rigid body for its user. The object has the mass, inertia and motion
 // of the points, and changes of the object move the points.
 
+#include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
@@ -154,11 +155,24 @@ void moveObject(SoftBodyData& body, const btTransform& pose) {
   body.surface.shape->setPose(pose);
 }
 
-void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin, double drift) {
+Vector3d centerOfFree(const PointState& s, const Points& positions) {
+  Vector3d moment = Vector3d::Zero();
+  double mass = 0.0;
+  forEachFree(s, [&](Eigen::Index i, double m) {
+    moment += m * positions.col(i);
+    mass += m;
+  });
+  return mass > 0.0 ? Vector3d(moment / mass) : moment;
+}
+
+/// Changes velocity and spin of the body when its points were at `places` (m). About the centre of those
+/// places the spin brings no momentum.
+void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin, const Points& places,
+            double drift) {
   PointState& s = body.state;
-  const Vector3d center = toEigen(body.surface.object->getWorldTransform().getOrigin());
+  const Vector3d center = centerOfFree(s, places);
   forEachFree(s, [&](Eigen::Index i, double) {
-    const Vector3d change = velocity + spin.cross(Vector3d(s.position.col(i) - center));
+    const Vector3d change = velocity + spin.cross(Vector3d(places.col(i) - center));
     const Vector3d allowed = (s.inverseMass.col(i).array() > 0.0).select(change, 0.0);
     s.velocity.col(i) += allowed;
     s.position.col(i) += drift * allowed;
@@ -240,9 +254,13 @@ void readObject(SoftBodyData& body, double drift) {
   }
   absorbOutsideChanges(body);
   const LeftObject left = body.surface.left;
+  // an awake body keeps what rests on it awake
+  if (body.asleep) wakeNeighbours(body, false);
   if (!(object.getWorldTransform() == left.pose)) moveObject(body, object.getWorldTransform());
+  // a constraint has acted at the start of the tick
   pushBy(body, difference(object.getLinearVelocity(), left.velocity),
-         difference(object.getAngularVelocity(), left.spin), drift);
+         difference(object.getAngularVelocity(), left.spin),
+         drift > 0.0 ? body.masses.startPosition : body.state.position, drift);
   body.sumsValid = false;
   leave(body);
   writeShared(body);
