@@ -364,5 +364,35 @@ TEST(MultiBodies, bulletsCharacterWalksAgainstACubeAndPushesIt) {
   EXPECT_NEAR(cube->centerOfMass().y(), 0.5 + kRadius, 0.05);
 }
 
+TEST(MultiBodies, bulletsCharacterStandsAndWalksOnACushion) {
+  if (!test::kSurface) GTEST_SKIP() << "a capsule falls between the points";
+  for (const double step : {0.0, 0.02}) {
+    BulletWorld bullet;
+    bullet.addPlaneFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.scale = {6, 1, 3};
+    s.position = {0, 0.52, 0};
+    s.totalMass = 300;
+    s.extensionStiffness = s.compressionStiffness = 1e5;
+    s.damping = 100;
+    SoftBody* cushion = *system.createBody(test::closedCubeNetwork(), s);
+    bullet.simulate(1);
+    Character character(bullet, vec(-2, 2.5, 0.2));
+    character.controller.setWalkDirection(vec(step, 0, 0));
+    double highest = 0.0;
+    for (int i = 0; i < 180; ++i) {
+      bullet.tick();
+      highest = std::max(highest, cushion->centerOfMass().y());
+      // half the capsule is 0.8 m; it stands up to Bullet's 0.04 m deep, as on rigid bodies
+      if (i > 60) {
+        EXPECT_NEAR(double(character.position().y()) - 0.8, 1.0, 0.06) << i;
+      }
+    }
+    EXPECT_LT(highest, 0.56) << "the cushion is not thrown";
+    EXPECT_NEAR(double(character.position().x()), -2.0 + 180 * step, 0.2);
+  }
+}
+
 }  // namespace
 }  // namespace limber

@@ -345,6 +345,32 @@ TEST_F(SurroundingsTest, aConstantFieldIsLikeGravity) {
   EXPECT_NEAR(fall(true), fall(false), 1e-5);
 }
 
+TEST_F(SurroundingsTest, aFieldOfPlacesGainsNoEnergy) {
+  for (const double w : {1.0, 5.0, 20.0}) {
+    BulletWorld world(0.0);
+    SoftBodySystem soft(*world.world);
+    EXPECT_TRUE(soft.addField([w](const FieldPoints& p) {
+      for (std::size_t i = 0; i < 3 * p.count; ++i) p.accelerations[i] -= w * w * p.positions[i];
+    }));
+    SoftBodySettings s = usualSettings();
+    s.position = {2, 0, 0};
+    s.linearVelocity = {0, 1, 0};
+    s.sleepingSpeed = 0.0;
+    const SoftBody* body = *soft.createBody(test::closedCubeNetwork(), s);
+    const auto energy = [&] {
+      return 0.5 * (body->linearMomentum() / body->totalMass()).squaredNorm() +
+             0.5 * w * w * body->centerOfMass().squaredNorm();
+    };
+    const double start = energy();
+    for (int i = 0; i < 6000; ++i) {
+      world.tick();
+      // leapfrog keeps  v^2 + w^2 x^2 / (1 - (w h / 2)^2)  or its reciprocal
+      const double ripple = std::pow(0.5 * w / 60.0, 2) / (1.0 - std::pow(0.5 * w / 60.0, 2));
+      ASSERT_NEAR(energy(), start, (1.1 * ripple + 1e-4) * start) << w << ", tick " << i;
+    }
+  }
+}
+
 TEST_F(SurroundingsTest, fieldsActOnTheirBodyAloneAndEndWithIt) {
   SoftBodySettings s = usualSettings();
   SoftBody* pushed = add(test::cubeNetwork(), s);

@@ -210,7 +210,7 @@ TEST(Controls, keysOfLayersAndOfThePace) {
 }
 
 TEST(Controls, nextSceneGoesThroughAllButTheMesh) {
-  const auto session = sessionOf("cut", 0);
+  const auto session = sessionOf("skeleton", 0);
   Pace pace;
   Controls controls(*session, pace, kSize);
   controls.press('N');

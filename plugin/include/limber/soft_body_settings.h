@@ -168,7 +168,8 @@ struct SpringSettings {
   std::optional<double> restLength;  ///< m, 0 to 1e6; default: the distance of the ends when the spring is
                                      ///< added; set in SpringConstraint::settings()
   double stiffness = 1000.0;         ///< N/m, 0 to 1e12
-  double damping = 0.0;              ///< N s/m along the spring, 0 to 1e12, only while the spring acts
+  double damping = 0.0;              ///< N s/m along the spring, 0 to 1e12, only while the spring acts: not
+                                     ///< where its stiffness is 0
   SpringAction action = SpringAction::Both;
   double breakForce = 0.0;  ///< N, 0 (never) to 1e18; after a tick that ends with a larger force, pulling or
                             ///< pushing, the spring is broken for good, see SpringConstraint::broken()

@@ -47,7 +47,8 @@ class SpringConstraint {
     return end.body ? end.body->getWorldTransform() * end.pivot : end.pivot;
   }
 
-  /// Returns the force at the end of the last tick, N; above 0 it pulls the ends together.
+  /// Returns the force of the spring without its damper at the end of the last tick, N; above 0 it pulls the
+  /// ends together.
   double force() const { return force_; }
 
   /// Returns whether it has broken (SpringSettings::breakForce). It then has no force, but exists until it is

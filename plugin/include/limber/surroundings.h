@@ -74,16 +74,18 @@ Result<void> validate(const FlowCoefficients& flow);
 /// The points of one body at the start of a tick. All arrays are flat: x y z of point 0, of point 1, ...
 struct FieldPoints {
   std::size_t count;
-  const double* positions;   ///< 3 x count, m
+  const double* positions;   ///< 3 x count, m, in the middle of the tick if no force acted in it
   const double* velocities;  ///< 3 x count, m/s
   const double* masses;      ///< count, kg; 0: a pinned point, which fields do not move
-  double time;               ///< s since the system was made
+  double time;               ///< s since the system was made, in the middle of the tick
   double* accelerations;     ///< 3 x count, m/s^2, in and out: add to them. They act all through the tick
 };
 
 /// A field of force, called once a tick for each awake body that it acts on, in the order of the bodies, on
-/// the thread that steps the world. It must not throw, nor call the system. Drag that a field adds is
-/// explicit and unstable above 2 / tick; FlowCoefficients has drag that is stable.
+/// the thread that steps the world. It must not throw, nor call the system. Accelerations that depend on the
+/// place alone gain no energy: those of the middle of the tick make leapfrog steps (drift, kick, drift),
+/// which are stable up to w = 2 / tick for a spring of w rad/s. Drag that a field adds is explicit and
+/// unstable above 2 / tick; FlowCoefficients has drag that is stable.
 using ForceField = std::function<void(const FieldPoints& points)>;
 
 }  // namespace limber

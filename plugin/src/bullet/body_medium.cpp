@@ -286,7 +286,7 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
   return &medium.drag;
 }
 
-void applyFields(SoftBodyData& body) {
+void applyFields(SoftBodyData& body, double tick) {
   if (body.surroundings->fields.empty()) return;
   BodyMedium& medium = mediumOf(body);
   PointState& s = body.state;
@@ -295,9 +295,10 @@ void applyFields(SoftBodyData& body) {
   for (Eigen::Index i = 0; i < count; ++i)
     medium.masses[static_cast<std::size_t>(i)] = massOf(s.inverseMass, i);
   medium.force = s.acceleration;
+  medium.predicted = s.position + 0.5 * tick * s.velocity;
   const FieldPoints points{
-      static_cast<std::size_t>(count), s.position.data(),    s.velocity.data(), medium.masses.data(),
-      body.surroundings->time,         s.acceleration.data()};
+      static_cast<std::size_t>(count),      medium.predicted.data(), s.velocity.data(), medium.masses.data(),
+      body.surroundings->time + 0.5 * tick, s.acceleration.data()};
   for (const ActingField& field : body.surroundings->fields)
     if (!field.body || field.body == &body) field.act(points);
   // along axes on which a point is held, it keeps its velocity

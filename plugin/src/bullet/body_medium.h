@@ -61,7 +61,7 @@ WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& sca
 PointDrag* surroundBody(SoftBodyData& body, double tick);
 
 /// Calls all fields for an awake body.
-void applyFields(SoftBodyData& body);
+void applyFields(SoftBodyData& body, double tick);
 
 /// Returns whether air acts on the body.
 bool hasDragInAir(const SoftBodyData& body);

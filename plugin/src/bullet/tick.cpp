@@ -144,7 +144,7 @@ void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
   const StopWatch watch(profile.readMs);
   readManifolds(*world->getDispatcher());
   parallel.forEach(awake.size(), [&](std::size_t g) { gatherBodies(*awake[g], tick); });
-  for (SoftBodyData* body : moving) applyFields(*body);
+  for (SoftBodyData* body : moving) applyFields(*body, double(tick));
   for (LinkedGroup* group : awake) updateBroadphaseBoxes(*group, tick);
 }
 
