@@ -164,13 +164,13 @@ TEST(SurfaceGrab, holdsWhatARayHits) {
   EXPECT_GT(cube->centerOfMass().y(), -1.2) << "it hangs there";
 }
 
-TEST(Grab, holdsNothingOnceTheWorldOrThePlaceInItIsGone) {
+TEST(Grab, holdsNothingOnceTheWorldIsGone) {
   auto bullet = std::make_unique<BulletWorld>();
   SoftBodySystem system(*bullet->world);
   SoftBody* cube = addGrabbedCube(system);
-  Result<Grab> made = grab(system, cube, 7);
-  ASSERT_TRUE(made);
-  Grab held = std::move(*made);
+  Result<Grab> result = grab(system, cube, 7);
+  ASSERT_TRUE(result);
+  Grab held = std::move(*result);
   EXPECT_TRUE(held.holds());
   bullet.reset();
   EXPECT_FALSE(held.holds());

@@ -33,7 +33,7 @@ struct ContactCandidate {
   btVector3 normal = btVector3(0, 0, 0);    ///< unit, from other to body
   double distance = 0.0;                    ///< m between the surfaces, below 0 where they overlap
 
-  // --- the answer
+  // --- the answer. Numbers that are not valid are replaced: velocities and directions by 0
 
   ContactResponse response = ContactResponse::Act;
   double friction = 0.0;     ///< 0 or more; at first by Bullet's gCalculateCombinedFrictionCallback

@@ -40,7 +40,7 @@ class Grab {
   void moveTo(const btVector3& place, const btVector3& velocity = btVector3(0, 0, 0));
   void release();
 
-  bool holds() const;                             ///< false after release(), or if the body is gone
+  bool holds() const;                             ///< false after release(), or if body or world is gone
   SoftBody* body() const { return body_.get(); }  ///< nullptr if it is gone
   std::uint32_t point() const { return point_; }  ///< of the body
   btVector3 force() const;                        ///< N on the body, at the end of the last tick

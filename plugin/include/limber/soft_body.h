@@ -55,8 +55,9 @@ class SoftBody {
   const SoftBodySettings& settings() const;
   std::uint32_t pointCount() const;
 
-  /// Returns false after the application has deleted or removed one of its point masses or its surface object
-  /// (as the clean-up loop of Bullet's HelloWorld does). The springs then no longer act.
+  /// Returns false after the application has deleted one of its point masses or its surface object, or
+  /// removed it from the world (as the clean-up loop of Bullet's HelloWorld does), and once the world is
+  /// gone. The springs then no longer act.
   bool alive() const;
 
   // Of the user; the plugin does not read them. saveBodies() saves the name.

@@ -100,7 +100,7 @@ class SoftBodySystem {
 
   /// Creates a body with the network, settings and state of another one of this world, also of another
   /// system, with its SoftBody::transform() at `transform`. It has no anchors, springs, name or user data.
-  /// Errors, with nothing created: those of createBody(), saveState() and setTransform().
+  /// Errors, with nothing created: a body that is not alive(), those of createBody() and setTransform().
   Result<SoftBody*> clone(SoftBody* body, const btTransform& transform);
 
   // Saved states; SoftBody::saveState() says what they contain.
@@ -127,8 +127,8 @@ class SoftBodySystem {
   SoftBody* body(std::size_t i) const;
 
   /// Adds a spring. Errors: invalid settings, both ends without a body, both ends at the same point of one
-  /// body, a pivot that is not finite or farther than 1e6 m, a surface object, a point mass of a soft body in
-  /// another world.
+  /// body, a pivot that is not finite or farther than 1e6 m, a surface object, a rigid body or a point
+  /// mass of a soft body in another world. A rigid body in no world may be added to this one later.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
   /// Joins two soft bodies where they meet: a spring from each point of `a` to the nearest point of `b`
@@ -154,7 +154,7 @@ class SoftBodySystem {
   /// ContactListener::anchorBreaks(), SoftBody::attached() and SoftBody::anchorForce(). Errors: a breakForce
   /// that is not from 0 to 1e18; a soft body that does not, or no longer, belong to a system of this world,
   /// no such point, a point that is already attached or pinned, a body that is a point mass or a surface
-  /// object, a pivot that is not finite or farther than 1e6 m.
+  /// object or in another world, a pivot that is not finite or farther than 1e6 m.
   Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot,
                       double breakForce = 0.0);
   Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, double breakForce = 0.0);

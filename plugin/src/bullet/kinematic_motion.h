@@ -79,9 +79,10 @@ inline bool isMoved(const btCollisionObject& object) {
 /// below it. Without the depth it would press a soft body down in each tick, and follow it.
 inline double standingDepth(const btDiscreteDynamicsWorld& world, const btCollisionObject& object,
                             const Eigen::Vector3d& normal) {
+  constexpr double kSteepest = 0.7;  // cosine of the steepest slope, by default 45 degrees, that it stands on
   if (!isCharacter(object)) return 0.0;
   const double downward = normal.dot(toEigen(world.getGravity()).stableNormalized());
-  return std::max(downward, 0.0) *
+  return std::clamp(downward / kSteepest, 0.0, 1.0) *
          double(const_cast<btDiscreteDynamicsWorld&>(world).getDispatchInfo().m_allowedCcdPenetration);
 }
 
