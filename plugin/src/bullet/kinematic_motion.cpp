@@ -207,13 +207,14 @@ SoftBodyData* bodyOf(const btCollisionObject& object, bool alsoPoints, const voi
 
 }  // namespace
 
-void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system, bool wake) {
   const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
   for (int i = 0; i < pairs.size(); ++i) {
     auto* a = static_cast<btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
     auto* b = static_cast<btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
     for (int side = 0; side < 2; ++side, std::swap(a, b))
-      if (SoftBodyData* body = bodyOf(*a, false, system)) addOrWake(*body, static_cast<btRigidBody&>(*a), *b);
+      if (SoftBodyData* body = bodyOf(*a, false, system); body && (wake || !body->asleep))
+        addOrWake(*body, static_cast<btRigidBody&>(*a), *b);
   }
 }
 

@@ -100,8 +100,9 @@ inline Eigen::Vector3d kinematicDisplacement(const btCollisionObject& object,
 
 /// Fills surface.partners of every awake surface body of `system` with the objects that Bullet's broadphase
 /// found near it, sorted by unique id. Call it before a tick. Wakes sleeping bodies near kinematic objects
-/// that are awake, as Bullet's islands do. One pass over the pairs replaces one query per body.
-void collectPartners(btDiscreteDynamicsWorld& world, const void* system);
+/// that are awake, as Bullet's islands do, if `wake`. One pass over the pairs replaces one query per body.
+/// Boxes that change later in the tick have new partners: call it again.
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system, bool wake);
 
 /// Adds objects to the partners of all bodies that will come near in the coming tick by their own motion,
 /// which is not yet in the broadphase. Wakes sleeping bodies in their path. Dynamic bodies are added for

@@ -252,9 +252,11 @@ void gatherBodies(LinkedGroup& group, btScalar tick) {
   }
 }
 
-void updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {
+bool updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {
+  bool changed = false;
   for (SoftBodyData* body : group.bodies)
-    if (isSurfaceBody(*body)) updateBroadphaseBox(*body, tick);
+    if (isSurfaceBody(*body)) changed = updateBroadphaseBox(*body, tick) || changed;
+  return changed;
 }
 
 /// Moves the end in the world to where the user has moved it, at once or, with a target, over the tick.

@@ -50,17 +50,25 @@ bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
   return box.intersects(boxOf(partner));
 }
 
-/// Returns the swept bounds of another soft body in this tick, or its broadphase box if they are unknown.
-Eigen::AlignedBox3d boxOf(const SoftBodyData& other, double tick) {
-  const SurfaceData& s = other.surface;
-  if (!other.masses.exposed && s.sweptBounds.tick == tick) return s.sweptBounds.box;
-  return {toEigen(s.shape->low()), toEigen(s.shape->high())};
+/// Returns the bounds (m) of a rigid body in a tick if nothing stops it.
+Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
+  Eigen::AlignedBox3d box = boxOf(rigid);
+  const Eigen::Vector3d fall = tick * tick * double(rigid.getInvMass()) * toEigen(rigid.getTotalForce());
+  const Eigen::Vector3d motion = kSearchPerMotion * (tick * toEigen(rigid.getLinearVelocity()) + fall);
+  const double rotation = kSearchPerMotion * tick * double(rotationSpeed(rigid));
+  box.extend(box.min() + motion.cwiseMin(0.0)).extend(box.max() + motion.cwiseMax(0.0));
+  return {box.min().array() - rotation, box.max().array() + rotation};
+}
+
+/// Returns whether a held object may enter the box (m) in the tick.
+bool mayEnter(const Eigen::AlignedBox3d& box, const btCollisionObject& held) {
+  return isMoved(held) || isIn(box, held);
 }
 
 /// Returns whether an object may enter the box (m) in the tick.
-bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body, double tick) {
-  const auto held = [&](const btCollisionObject* p) { return isMoved(*p) || isIn(box, *p); };
-  const auto soft = [&](const SoftBodyData* other) { return box.intersects(boxOf(*other, tick)); };
+bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body) {
+  const auto held = [&](const btCollisionObject* p) { return mayEnter(box, *p); };
+  const auto soft = [&](const SoftBodyData* other) { return box.intersects(presentBoundsOf(*other)); };
   return !body.freePartners.empty() ||
          std::any_of(body.softPartners.begin(), body.softPartners.end(), soft) ||
          std::any_of(body.partners.begin(), body.partners.end(), held);
@@ -72,8 +80,9 @@ void addOnce(std::vector<T>& list, T entry) {
 }
 
 /// Adds the object to the list of its kind. Contacts between point masses of different bodies are in
-/// world_points.cpp.
-void addPartner(SoftBodyData& body, btCollisionObject& object) {
+/// world_points.cpp. Rigid bodies that are too far away are left out, as the broadphase finds some of them
+/// and others not: which ones depends on earlier ticks.
+void addPartner(SoftBodyData& body, btCollisionObject& object, double tick) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
     if (isSurfaceBody(body) && surface->owner()) addOnce(body.softPartners, surface->owner());
@@ -85,17 +94,20 @@ void addPartner(SoftBodyData& body, btCollisionObject& object) {
     else
       addOnce<btRigidBody*>(body.freePartners, &body.links->bodyOf(*link));
   } else if (btRigidBody* rigid = btRigidBody::upcast(&object)) {
-    addOnce(body.freePartners, rigid);
+    if (!isSurfaceBody(body) || body.surface.presentBounds.box.intersects(boundsOf(*rigid, tick)))
+      addOnce(body.freePartners, rigid);
   }
 }
 
 /// Collects the partners of a body in a tick.
 struct PartnersInBox final : btBroadphaseAabbCallback {
-  explicit PartnersInBox(SoftBodyData& b) : body(&b) {}
+  PartnersInBox(SoftBodyData& b, double t) : body(&b), tick(t) {}
   SoftBodyData* body;
+  double tick;
 
   bool process(const btBroadphaseProxy* proxy) override {
-    if (canHit(*body, *proxy)) addPartner(*body, *static_cast<btCollisionObject*>(proxy->m_clientObject));
+    if (canHit(*body, *proxy))
+      addPartner(*body, *static_cast<btCollisionObject*>(proxy->m_clientObject), tick);
     return true;
   }
 };
@@ -120,31 +132,42 @@ Eigen::AlignedBox3d searchBox(SoftBodyData& body, double tick) {
 
 /// Moves the objects that Bullet's broadphase found around a surface body, and those that approach any body,
 /// to the lists of partners.
-void takePartners(SoftBodyData& body) {
+void takePartners(SoftBodyData& body, double tick) {
   const SurfaceObject* own = body.surface.object;
   body.sensors.clear();
   for (btCollisionObject* partner : body.surface.partners)
     if (!addSensor(body, *partner) && partner->hasContactResponse() &&
         (!own || SurfaceObject::from(partner) || own->mayTouch(*partner)))
-      addPartner(body, *partner);
+      addPartner(body, *partner, tick);
   body.surface.partners.clear();
 }
 
 /// Returns whether no object can enter the swept bounds of a body in this tick. Then its points move freely.
 bool nothingIsNear(SoftBodyData& body, double tick) {
-  const bool hasBounds = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
-  const SweptBounds sweptBounds = hasBounds ? body.surface.sweptBounds : sweptBoundsOf(body, tick);
-  if (hasPartnersIn(sweptBounds.box, body, tick) || (!hasBounds && !partnersCover(body, sweptBounds.box)))
-    return false;
+  const SweptBounds& bounds = body.surface.presentBounds;
+  const bool wasPredicted = !body.masses.exposed && body.surface.sweptBounds.tick == tick;
+  if (hasPartnersIn(bounds.box, body) || (!wasPredicted && !partnersCover(body, bounds.box))) return false;
   forgetPartners(body);
-  body.searchDistance.assign(pointCount(body), sweptBounds.maxDisplacement);
+  body.searchDistance.assign(pointCount(body), bounds.maxDisplacement);
   return true;
 }
 
-void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
-  PartnersInBox partners(body);
+/// The order of the broadphase's tree depends on earlier ticks.
+template <class Object>
+void sortById(std::vector<Object*>& objects) {
+  const auto idOf = [](const btCollisionObject* object) {
+    return objectInWorld(*object).getBroadphaseHandle()->m_uniqueId;
+  };
+  std::sort(objects.begin(), objects.end(),
+            [&](const Object* a, const Object* b) { return idOf(a) < idOf(b); });
+}
+
+void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
+  PartnersInBox partners(body, tick);
   body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
                                         toBullet(Eigen::Vector3d(box.max())), partners);
+  sortById(body.partners);
+  sortById(body.freePartners);
 }
 
 /// Excludes contacts of the points from Bullet's solver in this tick, including those not found yet; see
@@ -288,14 +311,16 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.watch->start(tick);
   forgetPartners(body);
   const bool surface = isSurfaceBody(body);
-  takePartners(body);
+  takePartners(body, double(tick));
   if (surface && nothingIsNear(body, double(tick))) return;
   const Eigen::AlignedBox3d box = searchBox(body, double(tick));
-  if (!surface || !partnersCover(body, box)) queryPartners(body, box);
+  if (!surface || !partnersCover(body, box)) queryPartners(body, box, double(tick));
   if (!surface) disablePointResponse(body);
   if (surface && body.partners.empty()) return;
   for (const btCollisionObject* partner : body.partners) storePartner(body, *partner);
-  body.watch->on = body.settings.continuousCollision && !body.partners.empty();
+  const auto mayEnterBox = [&](const btCollisionObject* partner) { return mayEnter(box, *partner); };
+  body.watch->on = body.settings.continuousCollision &&
+                   std::any_of(body.partners.begin(), body.partners.end(), mayEnterBox);
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionOf(body, i, double(tick)), tick);

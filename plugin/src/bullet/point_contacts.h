@@ -88,6 +88,15 @@ inline SweptBounds sweptBoundsOf(SoftBodyData& body, double tick) {
           displacement};
 }
 
+/// Returns bounds (m) of another body with a surface in the present tick. They depend on its state alone, not
+/// on the box that the broadphase has of it. May be called while other threads read the body.
+inline Eigen::AlignedBox3d presentBoundsOf(const SoftBodyData& other) {
+  if (!other.asleep) return other.surface.presentBounds.box;
+  const double radius = double(other.masses.shape->getRadius()), margin = radius + radius / 3.0;
+  const Points& x = other.state.position;
+  return {x.rowwise().minCoeff().array() - margin, x.rowwise().maxCoeff().array() + margin};
+}
+
 // --- filters -----------------------------------------------------------------------------------------------
 
 /// Returns whether contacts of `own`, the surface object or a point in the world, with another object count:

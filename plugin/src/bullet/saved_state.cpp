@@ -433,6 +433,8 @@ Bytes saveStateOf(SoftBodyData& body) {
     transferState(writer, state);
   });
   forgetCaches(body);
+  // the boxes of points are from the last tick
+  if (!isSurfaceBody(body)) updateQueryBoxes(body);
   return bytes;
 }
 

@@ -142,6 +142,7 @@ struct SurfaceData {
   bool hasNewForce = false;
   std::vector<CachedContact> contacts;  ///< #points; empty until a kinematic object is touched
   SweptBounds sweptBounds;              ///< predicted for the coming tick; Bullet's broadphase has its box
+  SweptBounds presentBounds;            ///< of the present tick, if awake: they depend on the state alone
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
 
   Points motion;          ///< 3 x #points, m, predicted displacement in the tick

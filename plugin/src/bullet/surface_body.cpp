@@ -155,6 +155,17 @@ void setBox(SoftBodyData& body) {
   body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
 }
 
+/// Sets the box in the broadphase for these bounds if they are not in it. Returns whether it has changed.
+bool extendBox(SoftBodyData& body, const SweptBounds& bounds) {
+  SurfaceData& s = body.surface;
+  if (s.sweptBounds.box.contains(bounds.box) || !s.object || !s.object->isInWorld()) return false;
+  s.sweptBounds = bounds;
+  s.sweptBounds.tick = 0.0;
+  setBox(body);
+  body.world->updateSingleAabb(s.object);
+  return true;
+}
+
 /// Returns whether the user has disabled the body, or Bullet has because its box was too large.
 bool isOutOfSimulation(const SoftBodyData& body) {
   return body.surface.object->getActivationState() == DISABLE_SIMULATION;
@@ -334,15 +345,11 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   if (s.pushed || !isSound(gravity)) restoreAccelerations(body);
 }
 
-void updateBroadphaseBox(SoftBodyData& body, btScalar tick) {
+bool updateBroadphaseBox(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
-  if (!body.masses.exposed && s.sweptBounds.tick == double(tick)) return;
-  const SweptBounds sweptBounds = sweptBoundsOf(body, double(tick));
-  if (s.sweptBounds.box.contains(sweptBounds.box) || !s.object || !s.object->isInWorld()) return;
-  s.sweptBounds = sweptBounds;
-  s.sweptBounds.tick = 0.0;
-  setBox(body);
-  body.world->updateSingleAabb(s.object);
+  const bool isPredicted = !body.masses.exposed && s.sweptBounds.tick == double(tick);
+  s.presentBounds = isPredicted ? s.sweptBounds : sweptBoundsOf(body, double(tick));
+  return !isPredicted && extendBox(body, s.presentBounds);
 }
 
 void updateQueryBox(SoftBodyData& body) {

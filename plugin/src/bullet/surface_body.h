@@ -144,8 +144,9 @@ void forgetSearches(SoftBodyData& body);
 void gatherSurface(SoftBodyData& body, btScalar tick);
 
 /// Updates the box in Bullet's broadphase at the start of a tick, if the body may leave it: the user may have
-/// changed the body's velocity since the last tick. Other bodies search for it in the broadphase.
-void updateBroadphaseBox(SoftBodyData& body, btScalar tick);
+/// changed the body's velocity since the last tick. Other bodies search for it in the broadphase. Returns
+/// whether the box has changed. Also sets surface.presentBounds.
+bool updateBroadphaseBox(SoftBodyData& body, btScalar tick);
 
 /// Sets the box in Bullet's broadphase to the present points, between ticks.
 void updateQueryBox(SoftBodyData& body);

@@ -392,6 +392,21 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
   if (isFiltered(*m.body) || (m.other && isFiltered(*m.other))) filterPairs(s.pairs, s.sources);
 }
 
+namespace {
+
+/// Drops the soft partners that are too far away, and sorts the others. The boxes in the broadphase have room
+/// for some ticks: which bodies it finds, and in which order, depends on earlier ticks.
+void keepNearPartners(SoftBodyData& body) {
+  std::vector<SoftBodyData*>& others = body.softPartners;
+  const Eigen::AlignedBox3d& box = body.surface.presentBounds.box;
+  const auto isFar = [&](const SoftBodyData* other) { return !box.intersects(presentBoundsOf(*other)); };
+  others.erase(std::remove_if(others.begin(), others.end(), isFar), others.end());
+  std::sort(others.begin(), others.end(),
+            [](const SoftBodyData* a, const SoftBodyData* b) { return a->index < b->index; });
+}
+
+}  // namespace
+
 void shareSoftPartners(const AwakeGroups& groups) {
   for (const LinkedGroup* group : groups)
     for (SoftBodyData* body : group->bodies)
@@ -400,6 +415,9 @@ void shareSoftPartners(const AwakeGroups& groups) {
         std::vector<SoftBodyData*>& theirs = other->softPartners;
         if (std::find(theirs.begin(), theirs.end(), body) == theirs.end()) theirs.push_back(body);
       }
+  for (const LinkedGroup* group : groups)
+    for (SoftBodyData* body : group->bodies)
+      if (!body->softPartners.empty()) keepNearPartners(*body);
 }
 
 namespace {

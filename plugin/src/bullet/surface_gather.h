@@ -28,9 +28,9 @@ struct SurfaceSearch {
   std::vector<ContactSource> sources;
 };
 
-/// Adds each body to the partners of its soft partners. Only one of two bodies may have found the other: one
-/// that has just been thrown can be far outside the other's search region. Call it after gatherContacts() of
-/// all bodies.
+/// Adds each body to the partners of its soft partners, and drops those that are too far away. Only one of
+/// two bodies may have found the other: one that has just been thrown can be far outside the other's search
+/// region. Call it after gatherContacts() of all bodies.
 void shareSoftPartners(const std::vector<LinkedGroup*>& awake);
 
 /// The contacts of surfaces of bodies with nothing near but static and kinematic objects. Such bodies are

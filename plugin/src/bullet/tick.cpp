@@ -125,7 +125,7 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   const StopWatch watch(profile.readMs);
   rebuildGroupsIfNeeded();
   for (Impl* system : systems) system->clearForcesOnNewStep();
-  collectPartners(*world, this);
+  collectPartners(*world, this, true);
   kinematic.follow(*world, tick);
   links.begin(*world);
   collectMovers(*world, kinematic, this, tick);
@@ -145,7 +145,9 @@ void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
   readManifolds(*world->getDispatcher());
   parallel.forEach(awake.size(), [&](std::size_t g) { gatherBodies(*awake[g], tick); });
   for (SoftBodyData* body : moving) applyFields(*body, double(tick));
-  for (LinkedGroup* group : awake) updateBroadphaseBoxes(*group, tick);
+  bool changed = false;
+  for (LinkedGroup* group : awake) changed = updateBroadphaseBoxes(*group, tick) || changed;
+  if (changed) collectPartners(*world, this, false);
 }
 
 void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {

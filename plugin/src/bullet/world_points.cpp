@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -262,8 +263,19 @@ Eigen::Vector3d movingColumn(const PointMass& point, const Points& quantity) {
   return quantity.col(point.index());
 }
 
-/// Adds the contact of two points if they may touch in the tick (s).
-void addIfNear(const PointMass& point, const PointMass& other, double tick, TickContacts& found) {
+/// Moves the last contact to its place by the partners' ids among those from `first` on. The broadphase finds
+/// them in an order that depends on earlier ticks.
+void sortLastContact(TickContacts& found, std::size_t first) {
+  for (std::size_t i = found.contacts.size() - 1; i > first; --i) {
+    if (found.sources[i - 1].partner.id <= found.sources[i].partner.id) return;
+    std::swap(found.contacts[i - 1], found.contacts[i]);
+    std::swap(found.sources[i - 1], found.sources[i]);
+  }
+}
+
+/// Adds the contact of two points if they may touch in the tick (s). Those from `first` on are sorted.
+void addIfNear(const PointMass& point, const PointMass& other, double tick, std::size_t first,
+               TickContacts& found) {
   const PointState &ours = point.owner()->state, &theirs = other.owner()->state;
   const Eigen::Vector3d offset = ours.position.col(point.index()) - theirs.position.col(other.index());
   const Eigen::Vector3d velocity = movingColumn(point, ours.velocity) - movingColumn(other, theirs.velocity);
@@ -274,9 +286,10 @@ void addIfNear(const PointMass& point, const PointMass& other, double tick, Tick
   if (offset.norm() - radiusSum > kSearchPerMotion * (tick * velocity.norm() + change) + radiusSum / 3.0)
     return;
   const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick, radiusSum);
-  if (nearest.norm() > 0.0)
-    found.add(contactOf(point, other, nearest.normalized(), offset, radiusSum),
-              {nullptr, point.owner(), other.owner(), handleOf(other), point.index()});
+  if (!(nearest.norm() > 0.0)) return;
+  found.add(contactOf(point, other, nearest.normalized(), offset, radiusSum),
+            {nullptr, point.owner(), other.owner(), handleOf(other), point.index()});
+  sortLastContact(found, first);
 }
 
 /// Calls visit(point) for the points of other bodies whose boxes overlap the region.
@@ -301,13 +314,14 @@ void addPointPairs(const SoftBodyData& body, double tick, double farthest, TickC
   if (!any) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     const SearchRegion region = searchRegionOf(body, i, tick, farthest);
+    const std::size_t first = found.contacts.size();
     forEachOtherPoint(body, region.low, region.high, [&](const PointMass& other) {
       const SoftBodyData* theirs = other.owner();
       if (!theirs || !theirs->alive) return;
       // the other body adds the contact
       if (!theirs->asleep && theirs->index < body.index) return;
       if (canHit(body, *other.getBroadphaseHandle()) && canHit(body, i, other))
-        addIfNear(*body.masses.bodies[i], other, tick, found);
+        addIfNear(*body.masses.bodies[i], other, tick, first, found);
     });
   }
 }
