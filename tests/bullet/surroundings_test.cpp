@@ -297,6 +297,55 @@ TEST_F(SurroundingsTest, lightFoamAndRopesFloatInLongTicks) {
   EXPECT_NEAR(heightOf(*rope), 0.0, 0.02);
 }
 
+// The water's spring is up to a thousand times as stiff as such a body resolves in a tick.
+TEST_F(SurroundingsTest, lightSolidsComeToRestOnWater) {
+  setWater(0.0);
+  const SharedNetwork cube = solidOf(small_meshes::cube(2)), ball = solidOf(small_meshes::icosphere(2));
+  for (const double tick : {1.0 / 120.0, 1.0 / 60.0, 1.0 / 30.0})
+    for (const double mass : {0.3, 1.0, 3.0, 10.0, 30.0}) {
+      SoftBodySettings s = usualSettings();
+      s.totalMass = mass;
+      s.position = {0, 0.7, 0};
+      SoftBody* floating = add(cube, s);
+      s.scale.setConstant(0.5);
+      s.position = {4, 0.7, 0};
+      SoftBody* rolling = add(ball, s);
+      for (int i = 0; i * tick < 30.0; ++i) bullet.tick(tick);
+      for (SoftBody* body : {floating, rolling}) {
+        EXPECT_TRUE(body->sleeping()) << mass << " kg, tick " << tick;
+        EXPECT_LT(body->kineticEnergy(), 1e-12) << mass << " kg, tick " << tick;
+      }
+      // heavier cubes of this stiffness are pressed in by their weight
+      if (mass < 10.0) {
+        EXPECT_NEAR(heightOf(*floating), 0.5 - mass / 1000.0, 0.005) << mass << " kg, tick " << tick;
+      }
+      ASSERT_TRUE(system.destroyBody(floating));
+      ASSERT_TRUE(system.destroyBody(rolling));
+    }
+}
+
+TEST_F(SurroundingsTest, undampedLightSolidsGainNoEnergyOnWater) {
+  setWater(0.0);
+  for (const double mass : {1.0, 3.0, 10.0, 30.0, 100.0}) {
+    SoftBodySettings s = stiffSolid(mass);
+    const double draught = mass / 1000.0, rise = 0.1 * draught;
+    s.flow.drag = s.flow.linearDrag = 0.0;
+    s.sleepingSpeed = 0.0;
+    s.position = {0, 0.5 - draught + rise, 0};
+    SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+    for (int i = 0; i < 3000; ++i) {
+      bullet.tick();
+      const double up = heightOf(*cube) - (0.5 - draught), speed = fallOf(*cube);
+      // of a plane of 1 m^2. The scheme conserves v^2/2 (1 - p/4) + w^2 x^2/2, where the square p of the
+      // phase is at most 1/2 for a body on which water acts locally
+      ASSERT_LT(0.5 * mass * speed * speed + 0.5 * 1000.0 * kGravity * up * up,
+                1.2 * 0.5 * 1000.0 * kGravity * rise * rise)
+          << mass << " kg, tick " << i;
+    }
+    ASSERT_TRUE(system.destroyBody(cube));
+  }
+}
+
 TEST_F(SurroundingsTest, lightSoftBodiesDeepUnderWaterAreNotCrushed) {
   setWater(20.0);
   SoftBodySettings s = usualSettings();

@@ -118,18 +118,17 @@ double addDisplacement(const SoftBodyData& body, BodyMedium& medium, const Water
   return planeArea;
 }
 
-/// Returns the share of the water's forces that act where the pressure is. Forces that may move a part of a
-/// light body by much of its size within a tick change faster than once a tick, and crush the body.
-double localShare(const Vector3d& lift, const WaterPlane& plane, double mass, double tick) {
-  const double area = std::pow(lift.norm() / plane.weight, 2.0 / 3.0);
-  const double phase = plane.weight * area * tick * tick / mass;
-  return std::clamp((kMaxLocalPhase - phase) / (0.5 * kMaxLocalPhase), 0.0, 1.0);
+/// Returns the square of the phase in a tick with which a mass (kg) bobs that has this area (m^2) of the
+/// plane.
+double bobbingPhase(const WaterPlane& plane, double area, double mass, double tick) {
+  return plane.weight * std::max(area, 0.0) * tick * tick / mass;
 }
 
 /// The forces of the water on a body as a whole.
 struct Lift {
   double mass = 0.0;                     ///< kg, of the points that are not held
   Vector3d center = Vector3d::Zero();    ///< m, of that mass
+  double wetMass = 0.0;                  ///< kg, of the points that the water acts on
   Vector3d sum = Vector3d::Zero();       ///< N
   Vector3d rotation = Vector3d::Zero();  ///< rad/s^2, by the torque
 };
@@ -139,6 +138,7 @@ Lift liftOf(const PointState& s, const Points& force) {
   for (Eigen::Index i = 0; i < force.cols(); ++i) {
     const double own = massOf(s.inverseMass, i);
     lift.mass += own, lift.center += own * s.position.col(i), lift.sum += force.col(i);
+    if (!force.col(i).isZero(0.0)) lift.wetMass += own;
   }
   if (!(lift.mass > 0.0)) return lift;
   lift.center /= lift.mass;
@@ -155,17 +155,30 @@ Lift liftOf(const PointState& s, const Points& force) {
   return lift;
 }
 
+/// Returns the share of the water's forces that act where the pressure is. Forces that may move the wet part
+/// of a light body by much of its size within a tick change faster than once a tick: they crush the body, or
+/// shake it for ever. `area` (m^2): of the plane inside the body.
+double localShare(const Lift& lift, const WaterPlane& plane, double area, double tick) {
+  const double across = std::pow(lift.sum.norm() / plane.weight, 2.0 / 3.0);
+  const double phase = bobbingPhase(plane, std::max(area, across), lift.wetMass, tick);
+  return std::clamp((kMaxLocalPhase - phase) / (0.5 * kMaxLocalPhase), 0.0, 1.0);
+}
+
 /// Makes the forces on a light body act as a whole, with the same sum and torque, as far as they must not act
 /// locally. Such a body also has the inertia of the water that it pushes aside: half the displaced mass, as
-/// for a sphere. Returns the share of its own mass in both; net forces, and so gravity, are scaled by it.
-double steadyForces(const SoftBodyData& body, Points& force, const WaterPlane& plane, double tick) {
+/// for a sphere, and at least a layer of g tick^2 / 4 below its area, which makes its bobbing that of the
+/// implicit midpoint rule, stable for any mass. Returns the share of its own mass in both; net forces, and so
+/// gravity, are scaled by it.
+double steadyForces(const SoftBodyData& body, Points& force, const WaterPlane& plane, double area,
+                    double tick, double& local) {
   const PointState& s = body.state;
   const Lift lift = liftOf(s, force);
-  if (!(lift.mass > 0.0)) return 1.0;
-  const double local = localShare(lift.sum, plane, lift.mass, tick);
+  if (lift.wetMass > 0.0) local = localShare(lift, plane, area, tick);
   if (local == 1.0) return 1.0;
   const double density = body.surroundings->water->density, gravity = plane.weight / density;
-  const double added = (1.0 - local) * 0.5 * lift.sum.norm() / gravity;
+  const double displaced = lift.sum.norm() / gravity,
+               layer = 0.25 * lift.mass * bobbingPhase(plane, area, lift.mass, tick);
+  const double added = (1.0 - local) * std::max(0.5 * displaced, layer);
   const double own = lift.mass / (lift.mass + added);
   for (Eigen::Index i = 0; i < force.cols(); ++i) {
     const double mass = massOf(s.inverseMass, i);
@@ -186,18 +199,23 @@ WaterPlane planeAt(const Points& position, WaterPlane plane) {
   return plane;
 }
 
+/// How a body bobs in a tick.
+struct Bobbing {
+  double phase = 0.0;  ///< its square
+  double local = 1.0;  ///< see localShare()
+};
+
 /// Adds the buoyancy to the accelerations. It is that of the predicted positions in the middle of the tick:
-/// then a constant force over the tick keeps the energy of bobbing bodies. Returns the square of the phase of
-/// bobbing in a tick.
-double addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
+/// then a constant force over the tick keeps the energy of bobbing bodies.
+Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
   medium.predicted = body.state.position + 0.5 * tick * body.state.velocity;
   medium.force.setZero(3, medium.predicted.cols());
   const WettedParts& parts = body.model->parts;
-  double area = 0.0, own = 1.0;
+  double area = 0.0, own = 1.0, local = 1.0;
   if (!parts.closed.empty()) {
     const WaterPlane lowered = planeAt(medium.predicted, plane);
     area = addBuoyancy(parts.closed, medium.predicted, lowered, medium.force);
-    own = steadyForces(body, medium.force, plane, tick);
+    own = steadyForces(body, medium.force, plane, area, tick, local);
     // drag works against both masses, too
     medium.drag.terms *= own;
   }
@@ -205,10 +223,18 @@ double addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& 
     area += addDisplacement(body, medium, plane);
   body.state.acceleration += medium.force.cwiseProduct(body.state.inverseMass);
   body.surface.sweptBounds.tick = 0.0;
-  return own * plane.weight * std::max(area, 0.0) * tick * tick / body.settings.totalMass;
+  return {own * bobbingPhase(plane, area, body.settings.totalMass, tick), local};
 }
 
-/// Slows a body that bobs too fast for a constant force over a tick down, so that it creeps to its draught.
+/// Returns the rate (1/s) at which bobbing is damped. A body that bobs too fast for a constant force over a
+/// tick creeps to its draught. The waves of a solid that is far lighter than the water around it take most of
+/// its energy within a period: it moves more water than itself.
+double bobbingRate(const SoftBodyData& body, const Bobbing& bobbing, double tick) {
+  if (bobbing.phase > 1.0) return bobbing.phase / tick;
+  if (!isSolid(body) || body.settings.flow.linearDrag) return 0.0;
+  return (1.0 - bobbing.local) * std::sqrt(bobbing.phase) / tick;
+}
+
 void dampBobbing(const SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double rate) {
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i)
     addDrag(medium.drag, i, rate * massOf(body.state.inverseMass, i), plane.up, 0.0, Vector3d::Zero());
@@ -279,9 +305,11 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
     addDragOfParts(body.model->parts, 2.0 * radiusOf(body),
                    {body.state.position, recentVelocity(body, medium)}, air, water, plane, medium.drag);
   if (plane.isThere()) dampByWaves(body, medium, plane, water.velocity);
-  if (plane.isThere())
-    if (const double phase = addWaterForces(body, medium, plane, tick); phase > 1.0)
-      dampBobbing(body, medium, plane, phase / tick);
+  if (plane.isThere()) {
+    const Bobbing bobbing = addWaterForces(body, medium, plane, tick);
+    if (const double damping = bobbingRate(body, bobbing, tick); damping > 0.0)
+      dampBobbing(body, medium, plane, damping);
+  }
   limitDrag(medium.drag, body.state.inverseMass);
   return &medium.drag;
 }
