@@ -164,30 +164,32 @@ double localShare(const Lift& lift, const WaterPlane& plane, double area, double
   return std::clamp((kMaxLocalPhase - phase) / (0.5 * kMaxLocalPhase), 0.0, 1.0);
 }
 
+/// How a body bobs in a tick.
+struct Bobbing {
+  double area = 0.0;   ///< m^2, of the plane inside the body
+  double phase = 0.0;  ///< its square, with the inertia below
+  double local = 1.0;  ///< see localShare()
+  double own = 1.0;    ///< the share of the body's mass in the inertia of both
+};
+
 /// Makes the forces on a light body act as a whole, with the same sum and torque, as far as they must not act
-/// locally. Such a body also has the inertia of the water that it pushes aside: half the displaced mass, as
-/// for a sphere, and at least a layer of g tick^2 / 4 below its area, which makes its bobbing that of the
-/// implicit midpoint rule, stable for any mass. Returns the share of its own mass in both; net forces, and so
-/// gravity, are scaled by it.
-double steadyForces(const SoftBodyData& body, Points& force, const WaterPlane& plane, double area,
-                    double tick, double& local) {
+/// locally. With the phase p of bobbing and the places that buoy() drops,
+///   (1 + p^2 / 4) F = F(x + v tick / 2 - g tick^2 / 4),
+/// which is the implicit midpoint rule, stable for any mass.
+void steadyForces(const SoftBodyData& body, const Lift& lift, const WaterPlane& plane, double tick,
+                  Points& force, Bobbing& bobbing) {
   const PointState& s = body.state;
-  const Lift lift = liftOf(s, force);
-  if (lift.wetMass > 0.0) local = localShare(lift, plane, area, tick);
-  if (local == 1.0) return 1.0;
-  const double density = body.surroundings->water->density, gravity = plane.weight / density;
-  const double displaced = lift.sum.norm() / gravity,
-               layer = 0.25 * lift.mass * bobbingPhase(plane, area, lift.mass, tick);
-  const double added = (1.0 - local) * std::max(0.5 * displaced, layer);
-  const double own = lift.mass / (lift.mass + added);
+  const double gravity = plane.weight / body.surroundings->water->density, steady = 1.0 - bobbing.local;
+  const double phase = bobbing.own * bobbingPhase(plane, bobbing.area, lift.mass, tick);
+  const double implicit = 1.0 / (1.0 + 0.25 * steady * phase);
   for (Eigen::Index i = 0; i < force.cols(); ++i) {
     const double mass = massOf(s.inverseMass, i);
     const Vector3d rigid =
         lift.sum / lift.mass + lift.rotation.cross(Vector3d(s.position.col(i) - lift.center));
-    const Vector3d whole = local * force.col(i) + (1.0 - local) * mass * rigid;
-    force.col(i) = own * whole + (1.0 - own) * mass * gravity * plane.up;
+    const Vector3d whole = implicit * (bobbing.local * force.col(i) + steady * mass * rigid);
+    force.col(i) = bobbing.own * whole + (1.0 - bobbing.own) * mass * gravity * plane.up;
   }
-  return own;
+  bobbing.own *= implicit;
 }
 
 /// Returns the plane lowered to the top of a body that is under water. The pressure there acts on all sides
@@ -199,31 +201,54 @@ WaterPlane planeAt(const Points& position, WaterPlane plane) {
   return plane;
 }
 
-/// How a body bobs in a tick.
-struct Bobbing {
-  double phase = 0.0;  ///< its square
-  double local = 1.0;  ///< see localShare()
-};
+/// Sets the forces of the water on a closed body at the predicted places.
+Lift setBuoyancy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double& area) {
+  medium.force.setZero();
+  area =
+      addBuoyancy(body.model->parts.closed, medium.predicted, planeAt(medium.predicted, plane), medium.force);
+  return liftOf(body.state, medium.force);
+}
+
+/// Sets the forces of the water on a closed body. A light body also has the inertia of the water that it
+/// pushes aside, half the displaced mass, as for a sphere. It falls during the tick into what it would be
+/// above of otherwise.
+Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
+  Bobbing bobbing;
+  Lift lift = setBuoyancy(body, medium, plane, bobbing.area);
+  const bool above = !(lift.wetMass > 0.0);
+  if (!above) bobbing.local = localShare(lift, plane, bobbing.area, tick);
+  const double steady = above ? 1.0 : 1.0 - bobbing.local;
+  if (steady == 0.0) return bobbing;
+  const Vector3d gravity = toEigen(body.world->getGravity());
+  if (!above) bobbing.own = lift.mass / (lift.mass + steady * 0.5 * lift.sum.norm() / gravity.norm());
+  medium.predicted.colwise() += 0.25 * tick * tick * bobbing.own * steady * gravity;
+  lift = setBuoyancy(body, medium, plane, bobbing.area);
+  if (!(lift.wetMass > 0.0)) return bobbing;
+  if (above) {
+    bobbing.local = localShare(lift, plane, bobbing.area, tick);
+    medium.force.setZero();
+  }
+  steadyForces(body, lift, plane, tick, medium.force, bobbing);
+  return bobbing;
+}
 
 /// Adds the buoyancy to the accelerations. It is that of the predicted positions in the middle of the tick:
 /// then a constant force over the tick keeps the energy of bobbing bodies.
 Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
   medium.predicted = body.state.position + 0.5 * tick * body.state.velocity;
   medium.force.setZero(3, medium.predicted.cols());
-  const WettedParts& parts = body.model->parts;
-  double area = 0.0, own = 1.0, local = 1.0;
-  if (!parts.closed.empty()) {
-    const WaterPlane lowered = planeAt(medium.predicted, plane);
-    area = addBuoyancy(parts.closed, medium.predicted, lowered, medium.force);
-    own = steadyForces(body, medium.force, plane, area, tick, local);
+  Bobbing bobbing;
+  if (!body.model->parts.closed.empty()) {
+    bobbing = buoy(body, medium, plane, tick);
     // drag works against both masses, too
-    medium.drag.terms *= own;
+    medium.drag.terms *= bobbing.own;
+  } else if (body.settings.flow.displacedVolume > 0.0) {
+    bobbing.area = addDisplacement(body, medium, plane);
   }
-  if (parts.closed.empty() && body.settings.flow.displacedVolume > 0.0)
-    area += addDisplacement(body, medium, plane);
   body.state.acceleration += medium.force.cwiseProduct(body.state.inverseMass);
   body.surface.sweptBounds.tick = 0.0;
-  return {own * bobbingPhase(plane, area, body.settings.totalMass, tick), local};
+  bobbing.phase = bobbing.own * bobbingPhase(plane, bobbing.area, body.settings.totalMass, tick);
+  return bobbing;
 }
 
 /// Returns the rate (1/s) at which bobbing is damped. A body that bobs too fast for a constant force over a
