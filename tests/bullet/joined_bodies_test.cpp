@@ -356,6 +356,37 @@ TEST(Anchors, theyBreakUnderMoreThanTheyHold) {
   EXPECT_TRUE(breaks.system.attach(breaks.rope, 0, *breaks.hook, 1.0));
 }
 
+TEST(Anchors, anEdgeIsAttachedAsAWholeOrNotAtAll) {
+  BulletWorld bullet(-10.0);
+  SoftBodySystem system(*bullet.world);
+  ClothSettings shape;
+  shape.columns = shape.rows = 5;
+  SoftBodySettings s = test::testedSettings();
+  s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitX()));
+  s.totalMass = 0.5;
+  s.extensionStiffness = s.compressionStiffness = 2e3;
+  s.damping = 5.0;
+  SoftBody* cloth = *system.createBody(*buildCloth(shape), s);
+  std::vector<std::uint32_t> edge;
+  for (std::uint32_t i = 0; i < cloth->pointCount(); ++i)
+    if (cloth->position(i).y() > 0.499) edge.push_back(i);
+  btRigidBody* rod = bullet.addBox(vec(0.6, 0.02, 0.02), 0.0, vec(0, 0.52, 0));
+  ASSERT_EQ(edge.size(), 6u);
+  std::vector<std::uint32_t> twice = edge;
+  twice.push_back(edge.front());
+  EXPECT_NE(system.attach(cloth, twice, *rod).error().find("is already attached"), std::string::npos);
+  EXPECT_FALSE(cloth->attached(edge.front()));
+  ASSERT_TRUE(system.attach(cloth, edge, *rod, 5.0));
+  bullet.simulate(10.0);
+  double weight = 0.0;
+  for (std::uint32_t i : edge) {
+    EXPECT_TRUE(cloth->attached(i));
+    EXPECT_NEAR(cloth->position(i).y(), 0.5, 1e-3);
+    weight += double(cloth->anchorForce(i).y());
+  }
+  EXPECT_NEAR(weight, 5.0, 0.05);
+}
+
 TEST(BreakForce, theListenerHearsOfEachBreakOnce) {
   WeldedCubes weak(1.5);
   BreakListener listener;

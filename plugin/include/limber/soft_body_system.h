@@ -158,6 +158,10 @@ class SoftBodySystem {
   Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot,
                       double breakForce = 0.0);
   Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, double breakForce = 0.0);
+  /// Attaches several points, as an edge or a patch, where they are. Each holds `breakForce`. With an error
+  /// none is attached.
+  Result<void> attach(SoftBody* softBody, const std::vector<std::uint32_t>& points, btRigidBody& body,
+                      double breakForce = 0.0);
   /// Detaches an attached point. Errors: no such soft body, a point that is not attached.
   Result<void> detach(SoftBody* softBody, std::uint32_t i);
 

@@ -332,6 +332,17 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   return attach(softBody, i, body, body.getWorldTransform().inverse() * position, breakForce);
 }
 
+Result<void> SoftBodySystem::attach(SoftBody* softBody, const std::vector<std::uint32_t>& points,
+                                    btRigidBody& body, double breakForce) {
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    Result<void> attached = attach(softBody, points[n], body, breakForce);
+    if (attached) continue;
+    while (n-- > 0) impl_->detach(softBody, points[n]);
+    return attached;
+  }
+  return {};
+}
+
 Result<void> SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
   if (!impl_->step->owns(softBody)) return foreignBody();
   if (!impl_->detach(softBody, i)) return Error{"point " + std::to_string(i) + " is not attached"};
