@@ -5,6 +5,7 @@
 #include "window/command.h"
 
 #include <limber/render/gl_context.h>
+#include <limber/render/renderer.h>
 
 #include <string>
 #include <variant>
@@ -49,6 +50,7 @@ struct DemoOptions {
   int width = 960;
   int height = 540;
   PictureMode mode = PictureMode::Shaded;
+  render::Quality quality = render::Quality::Gallery;
   CameraChoice camera;
   OverlayChoice overlay;
   render::ContextDesc context;

@@ -12,6 +12,32 @@ namespace limber::demo {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
+constexpr float kSharpAngle =
+    0.75f;                         // rad; sides of a twelve-sided cylinder are smooth, those of a box sharp
+constexpr float kThreads = 90.0f;  // of a cloth
+constexpr float kTranslucency = 0.35f;  // of jelly, in sizes of the body
+constexpr float kFloorSizes = 40.0f;    // half sides of the floor, in sizes of what is shown
+
+render::Material materialOf(scenes::Finish finish, double size) {
+  switch (finish) {
+    case scenes::Finish::Jelly:
+      return render::Material::jelly(kTranslucency * static_cast<float>(size));
+    case scenes::Finish::Cloth:
+      return render::Material::cloth(kThreads);
+    case scenes::Finish::Metal:
+      return render::Material::metal();
+    case scenes::Finish::Rubber:
+      break;
+  }
+  return render::Material::rubber();
+}
+
+/// Returns the largest extent of a body at rest, m.
+double sizeOf(const SoftBody& body) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : body.network().restPoints) box.extend(p);
+  return box.sizes().cwiseProduct(body.settings().scale.cwiseAbs()).maxCoeff();
+}
 
 }  // namespace
 
@@ -41,10 +67,12 @@ view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId che
     const scenes::BodyLook& look = scene.looks[b];
     const SoftBody* body = scene.soft->body(b);
     view::SoftLook& shown = looks[body];
-    shown.shading = look.smooth ? render::Shading::Smooth : render::Shading::Flat;
+    shown.shading = render::Shading::Smooth;
+    shown.sharpAngle = look.smooth ? 0.0f : kSharpAngle;
     // half the time of a picture of several detailed meshes without a GPU
     shown.hideBackFaces = body->network().render.skin.size() > 0;
-    shown.instance = {toVec3(look.colour), look.checkered ? checker : render::TextureId{}};
+    shown.instance = {toVec3(look.colour), look.checkered ? checker : render::TextureId{},
+                      materialOf(look.finish, sizeOf(*body))};
   }
   return [looks = std::move(looks)](const SoftBody& body) { return looks.at(&body); };
 }
@@ -54,7 +82,7 @@ view::RigidView::Look rigidLooks(const scenes::Scene& scene) {
     const auto& looks = scene.rigidLooks;
     const auto look = std::find_if(looks.begin(), looks.end(),
                                    [&object](const scenes::RigidLook& one) { return one.body == &object; });
-    return render::InstanceLook{toVec3(look->colour), {}};
+    return render::InstanceLook{toVec3(look->colour), {}, materialOf(look->finish, 1.0)};
   };
 }
 
@@ -128,15 +156,17 @@ render::Overlay& SceneOverlay::draw(const OverlayChoice& choice, render::Vec3 ey
 
 namespace {
 
-const render::Vec3 kFloorColour{0.78f, 0.79f, 0.82f};
+const render::Vec3 kFloorColour{0.80f, 0.79f, 0.78f};
+const render::Vec3 kWallTop{0.47f, 0.56f, 0.66f}, kWallBottom{0.95f, 0.93f, 0.90f};  // of the gallery
 
 /// Hanging and resting bodies of the scenes have strains of a few per cent.
 constexpr float kStrainRange = 0.03f;
 
-render::DrawOptions drawOptions(const Shot& shot) {
+render::DrawOptions drawOptions(const Shot& shot, bool gallery) {
   render::DrawOptions draw;
   if (shot.mode == PictureMode::Wireframe) draw.mode = render::DrawMode::Wireframe;
   draw.strainRange = kStrainRange;
+  if (gallery) draw.backgroundTop = kWallTop, draw.backgroundBottom = kWallBottom;
   if (shot.overlay.velocities) draw.legends = {view::speedLegend(kVelocityArrows)};
   return draw;
 }
@@ -159,7 +189,8 @@ SceneView::~SceneView() {
 render::InstanceId SceneView::addFloor() {
   const render::Vec3 middle{0.0f, static_cast<float>(scene_.floor.height), 0.0f};
   const float halfSize = static_cast<float>(scene_.floor.halfSize);
-  const render::RigidShape floor = render::makeRigid(render::makeFloor(middle, halfSize));
+  const float extent = kFloorSizes * static_cast<float>(scene_.view.box.diagonal().norm());
+  const render::RigidShape floor = render::makeRigid(render::makeFloor(middle, halfSize, extent));
   floorScale_ = floor.reach;
   floorShape_ = renderer_.addShape(floor.shape);
   return renderer_.addInstance(floorShape_, {kFloorColour, {}});
@@ -176,7 +207,8 @@ void SceneView::draw(const Shot& shot) {
   lines.insert(lines.end(), shot.marks.begin(), shot.marks.end());
   render::Light light = lightOf(scene_.view);
   light.shadows = shot.shadows;
-  renderer_.draw(frame, shot.camera, light, drawOptions(shot), lines);
+  renderer_.draw(frame, shot.camera, light,
+                 drawOptions(shot, renderer_.quality() == render::Quality::Gallery), lines);
 }
 
 namespace {
@@ -186,6 +218,7 @@ render::RendererDesc rendererDesc(const scenes::Scene& scene, const DemoOptions&
   desc.width = options.width;
   desc.height = options.height;
   desc.samples = 4;
+  desc.quality = options.quality;
   desc.initialPoints = scenes::pointCount(scene) + 1024;  // for the rigid bodies
   return desc;
 }

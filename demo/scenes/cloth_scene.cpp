@@ -78,6 +78,7 @@ std::string addPair(Scene& scene, const SharedNetwork& network, SoftBodySettings
   BodyLook look;
   look.colour = paletteColour(scene.looks.size());
   look.smooth = look.checkered = true;
+  look.finish = Finish::Cloth;
   scene.endChecks.push_back(checkOutsideBall(ball, kBallRadius, 0.5 * kClothRadius));
   return addBody(scene, network, settings, look);
 }

@@ -75,6 +75,7 @@ std::string addCurtain(Scene& scene, const SharedNetwork& network, SoftBodySetti
   BodyLook look;
   look.colour = paletteColour(scene.looks.size());
   look.smooth = look.checkered = true;
+  look.finish = Finish::Cloth;
   const std::string reason = addBody(scene, network, settings, look);
   if (!reason.empty()) return reason;
   SoftBody& cloth = *scene.soft->body(scene.soft->bodyCount() - 1);

@@ -37,6 +37,7 @@ std::string addBanner(Scene& scene, const SceneOptions& options) {
   BodyLook look;
   look.colour = paletteColour(0);
   look.smooth = look.checkered = true;
+  look.finish = Finish::Cloth;
   if (const std::string reason = addBody(scene, *network, settings, look); !reason.empty()) return reason;
   for (std::uint32_t i = 0; i <= kBannerCells; ++i) scene.soft->body(0)->pin(i);
   return {};
@@ -64,6 +65,7 @@ std::string addBlock(Scene& scene, const SceneOptions& options) {
   apply(options, settings);
   BodyLook look;
   look.colour = paletteColour(1);
+  look.finish = Finish::Jelly;
   return addBody(scene, *network, settings, look);
 }
 

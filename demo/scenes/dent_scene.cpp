@@ -115,7 +115,7 @@ SceneResult createDent(const SceneOptions& options) {
     auto shape = std::make_unique<btSphereShape>(static_cast<btScalar>(kPressRadius));
     presses.push_back(
         &addMovable(*scene->world, std::move(shape), 0.0, {blockAt(i), above + kAbove, 0.0}, 0.5));
-    scene->rigidLooks.push_back({presses.back(), Eigen::Vector3f(0.55f, 0.58f, 0.62f)});
+    scene->rigidLooks.push_back({presses.back(), Eigen::Vector3f(0.55f, 0.58f, 0.62f), Finish::Metal});
   }
   scene->beforeTick = [presses, above](Scene& now) {
     const double time = double(now.ticks + 1) / double(kTicksPerSecond);

@@ -38,6 +38,7 @@ std::string addFlag(Scene& scene, const SharedNetwork& network, const SceneOptio
   BodyLook look;
   look.colour = paletteColour(scene.looks.size());
   look.smooth = look.checkered = true;
+  look.finish = Finish::Cloth;
   if (const std::string reason = addBody(scene, network, settings, look); !reason.empty()) return reason;
   SoftBody& flag = *scene.soft->body(scene.soft->bodyCount() - 1);
   for (std::uint32_t j = 0; j <= kFlagRows; j += 2) flag.pin(j * (kFlagColumns + 1));

@@ -123,6 +123,7 @@ std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions
       const SharedNetwork& network = mesh.cooked.bodies[b].network;
       (*settings)[b].position = placement.centre - placement.rotation * mesh.middle;
       (*settings)[b].rotation = placement.rotation;
+      if (options.feel == Feel::Jelly) look.finish = Finish::Jelly;
       look.smooth = usualBend(*network) < kSmoothBend;
       if (std::string reason = addBody(scene, network, (*settings)[b], look); !reason.empty()) return reason;
     }

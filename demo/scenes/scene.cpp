@@ -139,7 +139,7 @@ btRigidBody& addBall(Scene& scene, const Eigen::Vector3d& centre, double radius,
                      const Eigen::Vector3f& colour) {
   auto shape = std::make_unique<btSphereShape>(btScalar(radius));
   btRigidBody& body = addMovable(*scene.world, std::move(shape), mass, centre, 0.5);
-  scene.rigidLooks.push_back({&body, colour});
+  scene.rigidLooks.push_back({&body, colour, Finish::Metal});
   return body;
 }
 

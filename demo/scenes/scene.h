@@ -120,15 +120,20 @@ struct SceneOptions {
 };
 
 /// Appearance of a body; plain data, so that scenes need no renderer.
+/// How a surface reflects light, as the renderer knows it.
+enum class Finish { Rubber, Jelly, Cloth, Metal };
+
 struct BodyLook {
   Eigen::Vector3f colour = Eigen::Vector3f(0.85f, 0.47f, 0.32f);  ///< sRGB, 0 to 1
   bool smooth = false;                                            ///< shaded as a curved surface
   bool checkered = false;
+  Finish finish = Finish::Rubber;
 };
 
 struct RigidLook {
   const btRigidBody* body;
   Eigen::Vector3f colour;  ///< sRGB, 0 to 1
+  Finish finish = Finish::Rubber;
 };
 
 struct FloorProp {

@@ -189,6 +189,7 @@ std::string addDancer(Scene& scene, const SharedNetwork& network, const SceneOpt
   BodyLook look;
   look.colour = paletteColour(scene.looks.size());
   look.smooth = true;
+  look.finish = Finish::Cloth;
   if (std::string reason = addBody(scene, network, settings, look); !reason.empty()) return reason;
   dancer.dress = scene.soft->body(scene.soft->bodyCount() - 1);
   Result<Skeleton> skeleton =

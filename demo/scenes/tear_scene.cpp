@@ -37,6 +37,7 @@ std::string addSheet(Scene& scene, const SceneOptions& options) {
   BodyLook look;
   look.colour = paletteColour(0);
   look.smooth = look.checkered = true;
+  look.finish = Finish::Cloth;
   if (const std::string reason = addBody(scene, *network, settings, look); !reason.empty()) return reason;
   SoftBody& sheet = *scene.soft->body(0);
   for (std::uint32_t i = 0; i <= kSheetCells; ++i)

@@ -76,6 +76,7 @@ SceneResult createTower(const SceneOptions& options) {
     settings.rotation = Eigen::AngleAxisd(random.between(-0.2, 0.2), Eigen::Vector3d::UnitY());
     BodyLook look;
     look.colour = paletteColour(i);
+    look.finish = Finish::Jelly;
     const std::string reason = addBody(*scene, *cube, settings, look);
     if (!reason.empty()) return Error{reason};
     addBox(*scene, {0.0, base + 2.0 * kRadius + kBlock + kGap + kPlateThick, 0.0},

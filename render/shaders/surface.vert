@@ -2,21 +2,26 @@
 // The indices are points, so that a point on several seams is processed only once.
 #define vertexPoint uint(gl_VertexID)
 #define vertexUv vec2(0.0)
+#define vertexNormal vertexPoint
 #else
 layout(location = 0) in uint vertexPoint;
 layout(location = 1) in vec2 vertexUv;
+layout(location = 3) in uint vertexNormal;
 #endif
 #ifdef TUBE
 layout(location = 2) in vec3 vertexRing;  // Fraction of the distance to the next point; profile out, along.
 #endif
 
-layout(std430, binding = 2) readonly buffer Instances { vec4 instances[]; };  // Colour, texture layer.
+layout(std430, binding = 2) readonly buffer Instances { vec4 instances[]; };  // Two each, see InstanceRecord.
 
 #ifndef DEPTH_ONLY
 out vec3 toEye;
 out vec3 shadowCoord;
 out vec2 uv;
 flat out vec4 look;
+#ifdef GALLERY
+flat out vec4 material;
+#endif
 #ifdef SMOOTH
 out vec3 smoothNormal;
 #endif
@@ -66,11 +71,15 @@ void main() {
 #endif
 
 #ifdef DEPTH_ONLY
+#ifdef FROM_EYE
+  gl_Position = frame.viewProjection * vec4(position, 1.0);
+#else
   vec3 shadow = (frame.worldToShadow * vec4(position, 1.0)).xyz;
   gl_Position = vec4(2.0 * shadow.x - 1.0, 1.0 - 2.0 * shadow.y, shadow.z, 1.0);
+#endif
 #else
 #if defined(SMOOTH) && !defined(TUBE)
-  normal = normalAt(firstNormal + instance * pointCount + vertexPoint);
+  normal = normalAt(firstNormal + instance * normalCount + vertexNormal);
 #endif
 #ifdef SMOOTH
   smoothNormal = normal;
@@ -78,7 +87,10 @@ void main() {
   toEye = frame.eye.xyz - position;
   shadowCoord = (frame.worldToShadow * vec4(position, 1.0)).xyz;
   uv = vertexUv;
-  look = instances[firstInstance + instance];
+  look = instances[2u * (firstInstance + instance)];
+#ifdef GALLERY
+  material = instances[2u * (firstInstance + instance) + 1u];
+#endif
   gl_Position = frame.viewProjection * vec4(position, 1.0);
 #endif
 }

@@ -95,6 +95,27 @@ Mat4 worldToShadow(const Light& light, Vec3 towards) {
   return scale * view;
 }
 
+constexpr float kSunTangent = 0.07f;      // Of the sun's radius: a large lamp.
+constexpr float kOcclusionReach = 0.3f;  // In shadow radii.
+
+void addGalleryUniforms(FrameUniforms& uniforms, const Camera& camera, const Light& light,
+                        const PictureSize& size) {
+  const Vec3 forward = unitOr(camera.target - camera.eye, {0.0f, 0.0f, -1.0f});
+  const Mat4 view = lookAlong(camera.eye, forward, camera.up);
+  const float tanY = std::tan(0.5f * camera.verticalFieldOfView);
+  const float tanX = tanY * static_cast<float>(size.width) / static_cast<float>(size.height);
+  const float near = camera.nearPlane, far = camera.farPlane;
+  const Vec3 right{view.at(0, 0), view.at(0, 1), view.at(0, 2)},
+      up{view.at(1, 0), view.at(1, 1), view.at(1, 2)};
+  // depth d = far / (far - near) - near far / ((far - near) z), see perspective()
+  uniforms.forward = vec4(forward, far / (near - far));
+  uniforms.right = vec4(tanX * right, near * far / (near - far));
+  uniforms.down = vec4(-tanY * up, kOcclusionReach * light.shadowRadius);
+  uniforms.shadowVolume = {2.0f * light.shadowRadius, kShadowDepth * light.shadowRadius,
+                           static_cast<float>(size.shadowMapSize), kSunTangent};
+  uniforms.stage = vec4(light.shadowCentre, light.shadowRadius);
+}
+
 }  // namespace
 
 FrameUniforms makeFrameUniforms(const Camera& camera, const Light& light, const DrawOptions& options,
@@ -117,6 +138,7 @@ FrameUniforms makeFrameUniforms(const Camera& camera, const Light& light, const 
   uniforms.ground = vec4(light.ground);
   uniforms.backgroundTop = vec4(linear(options.backgroundTop));
   uniforms.backgroundBottom = vec4(linear(options.backgroundBottom));
+  addGalleryUniforms(uniforms, camera, light, size);
   uniforms.viewport = {width, height, options.lineWidth, 1.0f / std::max(options.strainRange, 1e-6f)};
   return uniforms;
 }

@@ -25,14 +25,16 @@ void write(Vec3 v, float* to) {
 void addTo(Vec3& sum, Vec3 v) { sum = sum + v; }
 
 void sumCrossProducts(const CpuTriangles& mesh, const float* points, Vec3* sums) {
-  std::fill_n(sums, mesh.pointCount, Vec3{});
+  std::fill_n(sums, mesh.normalCount, Vec3{});
+  const std::vector<std::uint32_t>& normals = mesh.normalsOf.empty() ? mesh.corners : mesh.normalsOf;
   for (std::size_t t = 0; t < mesh.corners.size(); t += 3) {
     const std::uint32_t* corner = mesh.corners.data() + t;
+    const std::uint32_t* own = normals.data() + t;
     const Vec3 a = pointAt(points, corner[0]);
     const Vec3 normal = cross(pointAt(points, corner[1]) - a, pointAt(points, corner[2]) - a);
-    addTo(sums[corner[0]], normal);
-    addTo(sums[corner[1]], normal);
-    addTo(sums[corner[2]], normal);
+    addTo(sums[own[0]], normal);
+    addTo(sums[own[1]], normal);
+    addTo(sums[own[2]], normal);
   }
 }
 
@@ -68,13 +70,12 @@ void tubeFrames(const float* points, std::size_t count, float* sides) {
 void computeMeshNormals(const CpuTriangles& mesh, const SmoothInstances& instances, std::vector<Vec3>& sums,
                         RowThreads& threads) {
   constexpr std::size_t kOperationsPerCorner = 10;
-  sums.resize(std::size_t{threads.threads()} * mesh.pointCount);
+  sums.resize(std::size_t{threads.threads()} * mesh.normalCount);
   const auto compute = [&](RowRange range, unsigned part) {
-    Vec3* own = sums.data() + std::size_t{part} * mesh.pointCount;
+    Vec3* own = sums.data() + std::size_t{part} * mesh.normalCount;
     for (std::size_t i = range.begin; i < range.end; ++i) {
-      const std::size_t first = 3 * i * mesh.pointCount;
-      sumCrossProducts(mesh, instances.points + first, own);
-      writeUnit(own, mesh.pointCount, instances.normals + first);
+      sumCrossProducts(mesh, instances.points + 3 * i * mesh.pointCount, own);
+      writeUnit(own, mesh.normalCount, instances.normals + 3 * i * mesh.normalCount);
     }
   };
   threads.run(instances.count, kOperationsPerCorner * mesh.corners.size(), compute);

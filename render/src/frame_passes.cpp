@@ -18,6 +18,7 @@ void setUniforms(const PassContext& pass, const ShaderProgram& program, const Dr
   set(DrawUniform::FirstInstance, item.firstInstance);
   set(DrawUniform::PointCount, count);
   set(DrawUniform::FirstNormal, item.normals.first);
+  set(DrawUniform::NormalCount, item.shape->normalCount);
   pass.gl.ProgramUniform1f(program.name(), program.location(DrawUniform::ShapeRadius), item.shape->radius);
 }
 
@@ -117,7 +118,7 @@ void computeNormals(const PassContext& pass) {
     } else {
       pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kOffsets, shape.adjacencyOffsets.name());
       pass.gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCorners, shape.adjacencyCorners.name());
-      dispatch(pass, program, item.instanceCount * shape.skinnedPointCount);
+      dispatch(pass, program, item.instanceCount * shape.normalCount);
     }
   }
   pass.gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -141,16 +142,51 @@ void castShadows(const PassContext& pass, const ShadowMap& map) {
   pass.gl.Disable(GL_DEPTH_CLAMP);
 }
 
+namespace {
+
+bool isDrawn(const GpuShape& shape, DrawMode mode) {
+  return shape.indexCount > 0 && (mode != DrawMode::Wireframe || shape.lineCount == 0);
+}
+
+void coverPicture(const PassContext& pass, const ShaderProgram& program) {
+  pass.gl.UseProgram(program.name());
+  pass.gl.BindVertexArray(pass.emptyLayout);
+  pass.gl.DrawArraysInstanced(GL_TRIANGLES, 0, 3, 1);
+  ++pass.stats.drawCalls;
+}
+
+}  // namespace
+
+void computeOpenness(const PassContext& pass, const OpennessMap& map, DrawMode mode) {
+  map.beginDepth();
+  pass.gl.Enable(GL_DEPTH_TEST);
+  pass.gl.DepthFunc(GL_LESS);
+  for (const DrawItem& item : pass.items) {
+    if (isDrawn(*item.shape, mode)) {
+      setCulling(pass.gl, item.shape->hideBackFaces);
+      const VertexSource source = sourceOf(item, false);
+      useWithPlaces(pass, pass.programs.depth(source, true), item);
+      drawTriangles(pass, item, source);
+    }
+  }
+  pass.gl.Disable(GL_DEPTH_TEST);
+  setCulling(pass.gl, false);
+  map.beginRaw();
+  coverPicture(pass, pass.programs.occlusion());
+  map.beginSmooth();
+  coverPicture(pass, pass.programs.occlusionBlur());
+}
+
 void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows) {
   pass.gl.Enable(GL_DEPTH_TEST);
   pass.gl.DepthFunc(GL_LESS);
   for (const DrawItem& item : pass.items) {
     const GpuShape& shape = *item.shape;
-    if (shape.indexCount == 0 || (mode == DrawMode::Wireframe && shape.lineCount > 0)) {
+    if (!isDrawn(shape, mode)) {
       continue;
     }
     setCulling(pass.gl, shape.hideBackFaces);
-    const VertexSource source = sourceOf(item, shape.grid || item.textured);
+    const VertexSource source = sourceOf(item, shape.grid || shape.sharp || item.textured || pass.gallery);
     useWithPlaces(
         pass,
         pass.programs.surface({source, shape.smooth, shape.twoSided, shape.grid, shadows, item.textured}),
@@ -181,10 +217,7 @@ void drawBackdrop(const PassContext& pass) {
   pass.gl.Enable(GL_DEPTH_TEST);
   pass.gl.DepthFunc(GL_LEQUAL);
   setCulling(pass.gl, false);
-  pass.gl.UseProgram(pass.programs.backdrop().name());
-  pass.gl.BindVertexArray(pass.emptyLayout);
-  pass.gl.DrawArraysInstanced(GL_TRIANGLES, 0, 3, 1);
-  ++pass.stats.drawCalls;
+  coverPicture(pass, pass.programs.backdrop());
 }
 
 void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hiddenOpacity) {

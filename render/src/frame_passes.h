@@ -28,6 +28,11 @@ struct FrameUniforms {
   Vec4 backgroundTop{};
   Vec4 backgroundBottom{};
   Vec4 viewport{};
+  Vec4 forward{};
+  Vec4 right{};
+  Vec4 down{};
+  Vec4 shadowVolume{};
+  Vec4 stage{};
 };
 
 struct PictureSize {
@@ -71,6 +76,7 @@ struct PassContext {
   ProgramSet& programs;
   FrameStats& stats;
   const std::vector<DrawItem>& items;
+  bool gallery;
   GLuint emptyLayout;  ///< For draws that compute their vertices from gl_VertexID.
 };
 
@@ -92,6 +98,8 @@ enum StorageBinding : GLuint {
 /// renderer to finish those draws first.
 void computePlaces(const PassContext& pass);
 void computeNormals(const PassContext& pass);
+/// Computes how open each pixel is: depths, then rays, then an average.
+void computeOpenness(const PassContext& pass, const OpennessMap& map, DrawMode mode);
 void castShadows(const PassContext& pass, const ShadowMap& map);
 /// Draws the surfaces; in wireframe mode only of shapes without lines.
 void drawSurfaces(const PassContext& pass, DrawMode mode, bool shadows);

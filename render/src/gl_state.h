@@ -14,7 +14,7 @@ struct GlState {
   static constexpr std::size_t kCaps = 15;
   static constexpr std::size_t kValues = 28;
   static constexpr std::size_t kStorageBindings = 7;  ///< The highest StorageBinding plus one.
-  static constexpr std::size_t kTextureUnits = 2;
+  static constexpr std::size_t kTextureUnits = 4;
 
   struct BufferRange {
     GLint buffer = 0;

@@ -29,6 +29,7 @@ SurfaceMesh makeSurface(const ShapeDesc& desc) {
   for (std::size_t i = 0; i < count; ++i) {
     SurfaceVertex& vertex = mesh.vertices[i];
     vertex.point = desc.vertexToPoint.empty() ? static_cast<std::uint32_t>(i) : desc.vertexToPoint[i];
+    vertex.normal = normalOf(desc, static_cast<std::uint32_t>(i));
     if (!desc.uvs.empty()) {
       vertex.u = desc.uvs[2 * i];
       vertex.v = desc.uvs[2 * i + 1];
@@ -49,6 +50,12 @@ std::vector<std::uint32_t> packLines(const ShapeDesc& desc) {
   return packed;
 }
 
+void addIndexAttribute(const Gl& gl, GLuint layout, GLuint attribute, std::size_t offset) {
+  gl.EnableVertexArrayAttrib(layout, attribute);
+  gl.VertexArrayAttribBinding(layout, attribute, 0);
+  gl.VertexArrayAttribIFormat(layout, attribute, 1, GL_UNSIGNED_INT, static_cast<GLuint>(offset));
+}
+
 void addFloatAttribute(const Gl& gl, GLuint layout, GLuint attribute, GLint floats, std::size_t offset) {
   gl.EnableVertexArrayAttrib(layout, attribute);
   gl.VertexArrayAttribBinding(layout, attribute, 0);
@@ -60,12 +67,12 @@ GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
   const GLuint name = layout.name();
   gl.VertexArrayVertexBuffer(name, 0, shape.vertices.name(), 0, sizeof(SurfaceVertex));
   gl.VertexArrayElementBuffer(name, shape.indices.name());
-  gl.EnableVertexArrayAttrib(name, 0);
-  gl.VertexArrayAttribBinding(name, 0, 0);
-  gl.VertexArrayAttribIFormat(name, 0, 1, GL_UNSIGNED_INT, offsetof(SurfaceVertex, point));
+  addIndexAttribute(gl, name, 0, offsetof(SurfaceVertex, point));
   addFloatAttribute(gl, name, 1, 2, offsetof(SurfaceVertex, u));
   if (shape.tube) {
     addFloatAttribute(gl, name, 2, 3, offsetof(SurfaceVertex, fraction));
+  } else {
+    addIndexAttribute(gl, name, 3, offsetof(SurfaceVertex, normal));
   }
   return layout;
 }
@@ -131,7 +138,7 @@ void uploadSkin(const Gl& gl, const ShapeDesc& desc, GpuSkin& skin) {
 }
 
 void uploadAdjacency(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
-  const PointAdjacency adjacency = makePointAdjacency(desc);
+  const NormalAdjacency adjacency = makeNormalAdjacency(desc);
   shape.adjacencyOffsets = upload(gl, adjacency.offsets);
   shape.adjacencyCorners = upload(gl, adjacency.corners);
 }
@@ -151,7 +158,12 @@ CpuShape makeCpuShape(const ShapeDesc& desc, const GpuShape& shape) {
     cpu.skin = makeCpuSkin(desc.skin, desc.pointCount);
   }
   if (shape.needsNormals() && !shape.tube) {
-    cpu.triangles = {shape.skinnedPointCount, weldedTriangles(desc)};
+    cpu.triangles = {shape.skinnedPointCount, shape.normalCount, weldedTriangles(desc), {}};
+    if (!desc.vertexToNormal.empty()) {
+      for (const std::uint32_t vertex : desc.triangles) {
+        cpu.triangles.normalsOf.push_back(desc.vertexToNormal[vertex]);
+      }
+    }
   }
   return cpu;
 }
@@ -172,6 +184,8 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc, bool computeOnCpu) {
   shape.pointCount = desc.pointCount;
   shape.skinnedPointCount = static_cast<std::uint32_t>(skinnedPointCount(desc));
   shape.tube = desc.tubeRadius > 0.0f;
+  shape.normalCount = static_cast<std::uint32_t>(normalCount(desc));
+  shape.sharp = !desc.vertexToNormal.empty();
   shape.smooth = shape.tube || desc.shading == Shading::Smooth;
   shape.twoSided = desc.twoSided;
   shape.castsShadow = desc.castsShadow;
@@ -200,7 +214,8 @@ ShapeId ShapeTable::add(GpuShape shape) {
   }
   const std::uint32_t index = free_.back();
   free_.pop_back();
-  extents_[index] = {shape.pointCount, shape.skinnedPointCount, shape.skinned(), shape.needsNormals()};
+  extents_[index] = {shape.pointCount, shape.skinnedPointCount, shape.skinned(),
+                     shape.needsNormals() ? shape.normalCount : 0};
   shapes_[index] = std::move(shape);
   return {index, generations_[index]};
 }

@@ -14,7 +14,8 @@
 
 namespace limber::render {
 
-/// The weights of a skin, in one of two layouts. Dense: the weight of (place, point) is at point * skinnedPointCount
+/// The weights of a skin, in one of two layouts. Dense: the weight of (place, point) is at point *
+/// skinnedPointCount
 /// + place, so that neighbouring invocations read neighbouring floats. Sparse: pairs of a point and its
 /// weight, place by place.
 struct GpuSkin {
@@ -36,6 +37,8 @@ struct GpuShape {
   std::string name;
   std::uint32_t pointCount = 0;
   std::uint32_t skinnedPointCount = 0;  ///< Equals pointCount without a skin.
+  std::uint32_t normalCount = 0;
+  bool sharp = false;  ///< Vertices of one point may have different normals.
   bool tube = false;
   bool smooth = false;  ///< Always true for tubes: their side vectors are computed like normals.
   bool twoSided = false;

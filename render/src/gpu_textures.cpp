@@ -106,7 +106,7 @@ void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int heigh
 
 namespace {
 
-GlTexture makeDepth(const Gl& gl, int size) {
+GlTexture makeDepth(const Gl& gl, int size, bool comparing) {
   GLint maxSize = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSize);
   if (size < 1 || size > maxSize) {
@@ -117,9 +117,9 @@ GlTexture makeDepth(const Gl& gl, int size) {
   GlTexture depth(gl, name, 4 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   // Fixed point, because OpenGL then clamps the compared depth: everything beyond the far end is lit.
   gl.TextureStorage2D(name, 1, GL_DEPTH_COMPONENT24, size, size);
-  gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  gl.TextureParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, comparing ? GL_LINEAR : GL_NEAREST);
+  gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, comparing ? GL_LINEAR : GL_NEAREST);
+  gl.TextureParameteri(name, GL_TEXTURE_COMPARE_MODE, comparing ? GL_COMPARE_REF_TO_TEXTURE : GL_NONE);
   gl.TextureParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
   // Everything beside the map is lit, too.
   const std::array<GLfloat, 4> border{1.0f, 1.0f, 1.0f, 1.0f};
@@ -131,8 +131,8 @@ GlTexture makeDepth(const Gl& gl, int size) {
 
 }  // namespace
 
-ShadowMap::ShadowMap(const Gl& gl, int size)
-    : gl_(gl), size_(size), depth_(makeDepth(gl, size)), framebuffer_(makeFramebuffer(gl)) {
+ShadowMap::ShadowMap(const Gl& gl, int size, bool comparing)
+    : gl_(gl), size_(size), depth_(makeDepth(gl, size, comparing)), framebuffer_(makeFramebuffer(gl)) {
   gl.NamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_ATTACHMENT, depth_.name(), 0);
   gl.NamedFramebufferDrawBuffer(framebuffer_.name(), GL_NONE);
   gl.NamedFramebufferReadBuffer(framebuffer_.name(), GL_NONE);
@@ -147,6 +147,61 @@ void ShadowMap::begin() const {
   gl_.Viewport(0, 0, size_, size_);
   gl_.DepthMask(GL_TRUE);
   gl_.ClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &farthest);
+}
+
+namespace {
+
+GlTexture makePlane(const Gl& gl, GLenum format, int width, int height, std::size_t bytesPerPixel) {
+  GLuint name = 0;
+  gl.CreateTextures(GL_TEXTURE_2D, 1, &name);
+  GlTexture plane(gl, name,
+                  bytesPerPixel * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  gl.TextureStorage2D(name, 1, format, width, height);
+  gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return plane;
+}
+
+GlFramebuffer targetOf(const Gl& gl, GLenum attachment, const GlTexture& texture) {
+  GlFramebuffer target = makeFramebuffer(gl);
+  gl.NamedFramebufferTexture(target.name(), attachment, texture.name(), 0);
+  if (attachment == GL_DEPTH_ATTACHMENT) {
+    gl.NamedFramebufferDrawBuffer(target.name(), GL_NONE);
+    gl.NamedFramebufferReadBuffer(target.name(), GL_NONE);
+  }
+  requireComplete(gl, target);
+  return target;
+}
+
+}  // namespace
+
+OpennessMap::OpennessMap(const Gl& gl, int width, int height)
+    : gl_(gl),
+      width_(width),
+      height_(height),
+      depth_(makePlane(gl, kDepthFormat, width, height, 4)),
+      raw_(makePlane(gl, GL_R8, width, height, 1)),
+      smooth_(makePlane(gl, GL_R8, width, height, 1)),
+      depthTarget_(targetOf(gl, GL_DEPTH_ATTACHMENT, depth_)),
+      rawTarget_(targetOf(gl, GL_COLOR_ATTACHMENT0, raw_)),
+      smoothTarget_(targetOf(gl, GL_COLOR_ATTACHMENT0, smooth_)) {}
+
+void OpennessMap::beginDepth() const {
+  const GLfloat farthest = 1.0f;
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, depthTarget_.name());
+  gl_.Viewport(0, 0, width_, height_);
+  gl_.DepthMask(GL_TRUE);
+  gl_.ClearNamedFramebufferfv(depthTarget_.name(), GL_DEPTH, 0, &farthest);
+}
+
+void OpennessMap::beginRaw() const {
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, rawTarget_.name());
+  gl_.BindTextureUnit(2, depth_.name());
+}
+
+void OpennessMap::beginSmooth() const {
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, smoothTarget_.name());
+  gl_.BindTextureUnit(3, raw_.name());
 }
 
 namespace {

@@ -47,8 +47,8 @@ class RenderTarget {
 /// Depth as seen from the light.
 class ShadowMap {
  public:
-  /// `size` texels per side.
-  ShadowMap(const Gl& gl, int size);
+  /// `size` texels per side. `comparing`: look-ups compare and filter, else they return depths.
+  ShadowMap(const Gl& gl, int size, bool comparing = true);
 
   int size() const { return size_; }
   std::size_t bytes() const { return depth_.bytes(); }
@@ -61,6 +61,25 @@ class ShadowMap {
   int size_;
   GlTexture depth_;
   GlFramebuffer framebuffer_;
+};
+
+/// How open to its surroundings each pixel of a picture is, and the depths from which that is computed.
+class OpennessMap {
+ public:
+  OpennessMap(const Gl& gl, int width, int height);
+
+  std::size_t bytes() const { return depth_.bytes() + raw_.bytes() + smooth_.bytes(); }
+  /// These three bind the targets of the steps, each with the textures of the steps before.
+  void beginDepth() const;
+  void beginRaw() const;
+  void beginSmooth() const;
+  GLuint texture() const { return smooth_.name(); }
+
+ private:
+  const Gl& gl_;
+  int width_, height_;
+  GlTexture depth_, raw_, smooth_;
+  GlFramebuffer depthTarget_, rawTarget_, smoothTarget_;
 };
 
 /// All textures, as layers of one array, so that instances of one draw call can have different textures.

@@ -21,7 +21,7 @@ void requireCountable(const FrameLayout& layout) {
 
 InstanceRecord recordOf(const InstanceLook& look) {
   InstanceRecord record{srgbToLinear(look.colour.x), srgbToLinear(look.colour.y), srgbToLinear(look.colour.z),
-                        -1.0f};
+                        -1.0f, look.material};
   if (look.texture.index != UINT32_MAX) {
     record.layer = static_cast<float>(look.texture.index);
   }
@@ -116,7 +116,7 @@ InstanceGroup InstanceTable::layOutShape(std::uint32_t shape, const ShapeExtent&
     group.textured |= slots_[i].look.texture.index != UINT32_MAX;
     layout.pointCount += extent.pointCount;
     layout.skinnedPointCount += extent.skinned ? extent.skinnedPointCount : 0;
-    layout.normalCount += extent.needsNormals ? extent.skinnedPointCount : 0;
+    layout.normalCount += extent.normalCount;
     ++group.instanceCount;
     requireCountable(layout);
   }

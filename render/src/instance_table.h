@@ -13,6 +13,7 @@ namespace limber::render {
 struct InstanceRecord {
   float red = 0.0f, green = 0.0f, blue = 0.0f;  ///< Linear.
   float layer = -1.0f;                          ///< Of the texture array; below 0: no texture.
+  Material material;
 };
 
 /// The instances of one shape in one frame; their data is contiguous in all buffers.
@@ -31,7 +32,7 @@ struct ShapeExtent {
   std::uint32_t pointCount = 0;
   std::uint32_t skinnedPointCount = 0;  ///< Equals pointCount without a skin.
   bool skinned = false;
-  bool needsNormals = false;
+  std::uint32_t normalCount = 0;  ///< 0 if it needs none.
 };
 
 /// The indices of all instances of one frame. It is independent of the table, so that instances can be added
@@ -48,7 +49,7 @@ struct FrameLayout {
   std::vector<InstanceRecord> records;  ///< One per instance.
   std::vector<Slice> slices;            ///< By InstanceId::index.
   std::size_t pointCount = 0;           ///< Streamed.
-  std::size_t skinnedPointCount = 0;           ///< Of skinned instances.
+  std::size_t skinnedPointCount = 0;    ///< Of skinned instances.
   std::size_t normalCount = 0;
 
   /// Returns null if the instance is not part of the frame.

@@ -7,7 +7,7 @@ namespace limber::render {
 namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(DrawUniform::Count)> kUniformNames{
-    "firstPoint",        "firstInstance", "pointCount",  "firstNormal", "firstPlace",
+    "firstPoint",        "firstInstance", "pointCount",  "firstNormal", "normalCount", "firstPlace",
     "skinnedPointCount", "invocations",   "shapeRadius", "opacity",     "rectangle"};
 
 class Shader {
@@ -129,21 +129,27 @@ std::vector<std::string> definesOf(const SurfaceVariant& variant, int shadowTaps
 const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
   ShaderProgram& program = surfaces_[indexOf(variant)];
   if (program.name() == 0) {
-    program = buildProgram(
-        gl_,
-        {{GL_VERTEX_SHADER, surfaceVertexFiles()},
-         {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "shading_normal.glsl", "surface.frag"}}},
-        definesOf(variant, shadowTaps_));
+    std::vector<std::string> defines = definesOf(variant, shadowTaps_);
+    std::vector<ShaderText> files{"frame.glsl", "background.glsl", "shading_normal.glsl",
+                                  "surface_colour.glsl"};
+    if (gallery_) {
+      defines.insert(defines.end(), {"GALLERY", "BLOCKER_TAPS 16", "PENUMBRA_TAPS 24"});
+      files.insert(files.end(), {"studio.glsl", "gallery.frag"});
+    } else {
+      files.emplace_back("surface.frag");
+    }
+    program =
+        buildProgram(gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, files}}, defines);
   }
   return program;
 }
 
-const ShaderProgram& ProgramSet::depth(VertexSource source) {
-  ShaderProgram& program = depths_[static_cast<std::size_t>(source)];
+const ShaderProgram& ProgramSet::depth(VertexSource source, bool fromEye) {
+  ShaderProgram& program = depths_[static_cast<std::size_t>(source) + (fromEye ? kVertexSources : 0)];
   if (program.name() == 0) {
-    program =
-        buildProgram(gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, {"depth.frag"}}},
-                     {"NORMALS_ACCESS readonly", "DEPTH_ONLY", nameOf(source)});
+    program = buildProgram(
+        gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, {"depth.frag"}}},
+        {"NORMALS_ACCESS readonly", "DEPTH_ONLY", nameOf(source), fromEye ? "FROM_EYE" : "FROM_LIGHT"});
   }
   return program;
 }
@@ -190,12 +196,35 @@ const ShaderProgram& ProgramSet::overlay(bool onScreen) {
 
 const ShaderProgram& ProgramSet::backdrop() {
   if (backdrop_.name() == 0) {
-    backdrop_ = buildProgram(gl_,
-                             {{GL_VERTEX_SHADER, {"backdrop.vert"}},
-                              {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", "backdrop.frag"}}},
-                             {});
+    backdrop_ = buildProgram(
+        gl_,
+        {{GL_VERTEX_SHADER, {"backdrop.vert"}},
+         {GL_FRAGMENT_SHADER,
+          gallery_ ? std::vector<ShaderText>{"frame.glsl", "background.glsl", "studio.glsl", "wall.frag"}
+                   : std::vector<ShaderText>{"frame.glsl", "background.glsl", "backdrop.frag"}}},
+        {});
   }
   return backdrop_;
+}
+
+const ShaderProgram& ProgramSet::occlusion() {
+  if (occlusion_.name() == 0) {
+    occlusion_ = buildProgram(gl_,
+                              {{GL_VERTEX_SHADER, {"backdrop.vert"}},
+                               {GL_FRAGMENT_SHADER, {"frame.glsl", "studio.glsl", "occlusion.frag"}}},
+                              {"OCCLUSION_SLICES 2", "OCCLUSION_STEPS 6"});
+  }
+  return occlusion_;
+}
+
+const ShaderProgram& ProgramSet::occlusionBlur() {
+  if (occlusionBlur_.name() == 0) {
+    occlusionBlur_ = buildProgram(
+        gl_,
+        {{GL_VERTEX_SHADER, {"backdrop.vert"}}, {GL_FRAGMENT_SHADER, {"frame.glsl", "occlusion_blur.frag"}}},
+        {});
+  }
+  return occlusionBlur_;
 }
 
 const ShaderProgram& ProgramSet::legend(ColourMap map) {

@@ -3,6 +3,7 @@
 
 #include "limber/render/gl_objects.h"
 #include "limber/render/legend.h"
+#include "limber/render/renderer.h"
 
 #include <array>
 #include <cstddef>
@@ -21,6 +22,7 @@ enum class DrawUniform {
   FirstInstance,
   PointCount,
   FirstNormal,
+  NormalCount,
   FirstPlace,
   PlaceCount,
   Invocations,
@@ -88,13 +90,17 @@ std::vector<std::string> definesOf(const SurfaceVariant& variant, int shadowTaps
 /// shader.
 class ProgramSet {
  public:
-  ProgramSet(const Gl& gl, int shadowTaps) : gl_(gl), shadowTaps_(shadowTaps) {}
+  ProgramSet(const Gl& gl, int shadowTaps, Quality quality)
+      : gl_(gl), shadowTaps_(shadowTaps), gallery_(quality == Quality::Gallery) {}
 
   const ShaderProgram& surface(const SurfaceVariant& variant);
-  const ShaderProgram& depth(VertexSource source);
+  /// Depth alone, seen from the light or from the eye.
+  const ShaderProgram& depth(VertexSource source, bool fromEye = false);
   const ShaderProgram& lines();
   const ShaderProgram& overlay(bool onScreen);
   const ShaderProgram& backdrop();
+  const ShaderProgram& occlusion();
+  const ShaderProgram& occlusionBlur();
   const ShaderProgram& legend(ColourMap map);
   const ShaderProgram& normals(bool tube);
   const ShaderProgram& skin(bool dense);
@@ -102,13 +108,16 @@ class ProgramSet {
  private:
   const Gl& gl_;
   int shadowTaps_;
+  bool gallery_;
   std::array<ShaderProgram, 32 * kVertexSources> surfaces_;
-  std::array<ShaderProgram, kVertexSources> depths_;
+  std::array<ShaderProgram, 2 * kVertexSources> depths_;
   std::array<ShaderProgram, 2> normals_;
   std::array<ShaderProgram, 2> skins_;
   ShaderProgram lines_;
   std::array<ShaderProgram, 2> overlays_;
   ShaderProgram backdrop_;
+  ShaderProgram occlusion_;
+  ShaderProgram occlusionBlur_;
   std::array<ShaderProgram, 2> legends_;
 };
 

@@ -18,10 +18,12 @@ void Renderer::resize(int width, int height) {
     throw std::logic_error("resize() while a frame is open");
   }
   parts_->target = std::make_unique<RenderTarget>(parts_->gl, width, height, parts_->desc.samples);
+  parts_->openness.reset();
 }
 
 int Renderer::width() const { return parts_->target->width(); }
 int Renderer::height() const { return parts_->target->height(); }
+Quality Renderer::quality() const { return parts_->desc.quality; }
 
 ShapeId Renderer::addShape(const ShapeDesc& desc) {
   return parts_->shapes.add(makeGpuShape(parts_->gl, desc, parts_->cpu.has_value()));
@@ -128,7 +130,8 @@ GpuMemory Renderer::gpuMemory() const {
   memory.scratch = parts.places.bytes() + parts.normals.bytes() + parts.records.bytes() +
                    parts.uniforms.bytes() + parts.overlayLines.bytes() + parts.numbers.bytes();
   memory.textures = parts.textures.bytes();
-  memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes());
+  memory.targets = parts.target->bytes() + (parts.shadowMap == nullptr ? 0 : parts.shadowMap->bytes()) +
+                   (parts.openness == nullptr ? 0 : parts.openness->bytes());
   return memory;
 }
 

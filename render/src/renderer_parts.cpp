@@ -59,7 +59,7 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       desc(rendererDesc),
       messages(sharedContext ? nullptr : std::make_unique<DebugMessages>(gl)),
       cpu(makeCpuPasses(gl, desc)),
-      programs(gl, desc.shadowTaps),
+      programs(gl, desc.shadowTaps, desc.quality),
       target(std::make_unique<RenderTarget>(gl, desc.width, desc.height, desc.samples)),
       textures(gl, std::max(desc.textureSize, 1)),
       emptyLayout(makeVertexArray(gl)),
@@ -207,7 +207,7 @@ void Renderer::Parts::submit(const Camera& camera, const Light& light, const Dra
 
 const ShadowMap& Renderer::Parts::requireShadowMap() {
   if (shadowMap == nullptr) {
-    shadowMap = std::make_unique<ShadowMap>(gl, desc.shadowMapSize);
+    shadowMap = std::make_unique<ShadowMap>(gl, desc.shadowMapSize, !gallery());
   }
   return *shadowMap;
 }
@@ -243,6 +243,9 @@ void Renderer::Parts::beginTarget(bool castsShadows) {
   if (castsShadows) {
     gl.BindTextureUnit(1, shadowMap->texture());
   }
+  if (openness != nullptr) {
+    gl.BindTextureUnit(2, openness->texture());
+  }
 }
 
 void Renderer::Parts::finishTarget(const DrawOptions& options) {
@@ -265,6 +268,12 @@ void Renderer::Parts::drawPicture(const DrawOptions& options, bool shadows) {
   const bool castsShadows = shadows && !items.empty();
   if (castsShadows) {
     castShadows(pass(), requireShadowMap());
+  }
+  if (gallery()) {
+    if (openness == nullptr) {
+      openness = std::make_unique<OpennessMap>(gl, target->width(), target->height());
+    }
+    computeOpenness(pass(), *openness, options.mode);
   }
   beginTarget(castsShadows);
   drawSurfaces(pass(), options.mode, castsShadows);

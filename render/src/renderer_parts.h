@@ -74,7 +74,8 @@ struct Renderer::Parts {
   void finishTarget(const DrawOptions& options);  // All that is drawn after the shapes.
   void drawLegends(const DrawOptions& options);
 
-  PassContext pass() { return {gl, programs, stats, items, emptyLayout.name()}; }
+  bool gallery() const { return desc.quality == Quality::Gallery; }
+  PassContext pass() { return {gl, programs, stats, items, gallery(), emptyLayout.name()}; }
   const ShadowMap& requireShadowMap();
   void requireTexture(const InstanceLook& look) const;
 
@@ -82,15 +83,16 @@ struct Renderer::Parts {
   bool sharedContext;
   RendererDesc desc;
   std::unique_ptr<DebugMessages> messages;  // Null in a shared context.
-  std::optional<CpuPasses> cpu;  // If skins and normals are computed on the CPU.
+  std::optional<CpuPasses> cpu;             // If skins and normals are computed on the CPU.
   ProgramSet programs;
   std::unique_ptr<RenderTarget> target;
-  std::unique_ptr<ShadowMap> shadowMap;  // Created with the first shadow.
+  std::unique_ptr<ShadowMap> shadowMap;   // Created with the first shadow.
+  std::unique_ptr<OpennessMap> openness;  // Of the gallery, made for the size of the target.
   TextureArray textures;
   GlVertexArray emptyLayout;
   GlBuffer uniforms;
   GlBuffer records;
-  GlBuffer places;   // Of skins. These two are empty if the CPU computes.
+  GlBuffer places;  // Of skins. These two are empty if the CPU computes.
   GlBuffer normals;
   ShapeTable shapes;
   InstanceTable instances;

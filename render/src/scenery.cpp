@@ -87,7 +87,7 @@ Scenery makeUvSphere(Vec3 centre, float radius, std::uint32_t rings, std::uint32
   return sphere;
 }
 
-Scenery makeFloor(Vec3 centre, float halfSize) {
+Scenery makeFloor(Vec3 centre, float halfSize, float extent) {
   Scenery floor;
   floor.shape.name = "floor";
   floor.shape.pointCount = 4;
@@ -96,8 +96,8 @@ Scenery makeFloor(Vec3 centre, float halfSize) {
   floor.shape.patternRadius = halfSize;
   constexpr std::array<std::array<float, 2>, 4> kCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
   for (const auto& corner : kCorners) {
-    const float x = halfSize * corner[0];
-    const float z = halfSize * corner[1];
+    const float x = std::max(halfSize, extent) * corner[0];
+    const float z = std::max(halfSize, extent) * corner[1];
     addPoint(floor.points, centre.x + x, centre.y, centre.z + z);
     floor.shape.uvs.insert(floor.shape.uvs.end(), {x, z});
   }

@@ -47,8 +47,9 @@ std::string checkTube(const ShapeDesc& desc) {
     return "tubeSegments is " + number(desc.tubeSegments) + ", but a tube needs at least 3";
   }
   if (!desc.triangles.empty() || !desc.vertexToPoint.empty() || !desc.uvs.empty() ||
-      !desc.skin.first.empty()) {
-    return "a tube makes its own vertices: triangles, vertexToPoint, uvs and skin must be empty";
+      !desc.vertexToNormal.empty() || !desc.skin.first.empty()) {
+    return "a tube makes its own vertices: triangles, vertexToPoint, uvs, vertexToNormal and skin must be "
+           "empty";
   }
   return {};
 }
@@ -95,9 +96,14 @@ std::string checkMesh(const ShapeDesc& desc) {
   if (std::string reason = checkSkin(desc); !reason.empty()) {
     return reason;
   }
-  const std::size_t vertices = desc.vertexToPoint.empty() ? skinnedPointCount(desc) : desc.vertexToPoint.size();
+  const std::size_t vertices =
+      desc.vertexToPoint.empty() ? skinnedPointCount(desc) : desc.vertexToPoint.size();
   if (!desc.uvs.empty() && desc.uvs.size() != 2 * vertices) {
     return "uvs has " + number(desc.uvs.size()) + " floats for " + number(vertices) + " vertices";
+  }
+  if (!desc.vertexToNormal.empty() && desc.vertexToNormal.size() != vertices) {
+    return "vertexToNormal has " + number(desc.vertexToNormal.size()) + " entries for " + number(vertices) +
+           " vertices";
   }
   if (desc.triangles.size() % 3 != 0) {
     return "triangles has " + number(desc.triangles.size()) + " indices, which is no multiple of 3";
@@ -109,6 +115,10 @@ std::string checkMesh(const ShapeDesc& desc) {
                                     desc.skin.first.empty() ? "points" : "places of the skin");
   if (reason.empty()) {
     reason = checkIndices("triangles", desc.triangles, vertices, "vertices");
+  }
+  if (reason.empty()) {
+    reason = checkIndices("vertexToNormal", desc.vertexToNormal, skinnedPointCount(desc) + vertices,
+                          "points and vertices");
   }
   return reason.empty() ? checkPattern(desc) : reason;
 }

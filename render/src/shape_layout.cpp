@@ -108,26 +108,33 @@ std::vector<std::uint32_t> sparseWeights(const Skin& skin) {
   return pairs;
 }
 
-PointAdjacency makePointAdjacency(const ShapeDesc& desc) {
+std::uint32_t normalOf(const ShapeDesc& desc, std::uint32_t vertex) {
+  if (!desc.vertexToNormal.empty()) {
+    return desc.vertexToNormal[vertex];
+  }
+  return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
+}
+
+NormalAdjacency makeNormalAdjacency(const ShapeDesc& desc) {
   const auto pointOf = [&desc](std::size_t corner) {
     const std::uint32_t vertex = desc.triangles[corner];
     return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
   };
-  PointAdjacency adjacency;
-  adjacency.offsets.assign(skinnedPointCount(desc) + 1, 0);
-  for (std::size_t i = 0; i < desc.triangles.size(); ++i) {
-    ++adjacency.offsets[pointOf(i) + std::size_t{1}];
+  NormalAdjacency adjacency;
+  adjacency.offsets.assign(normalCount(desc) + 1, 0);
+  for (const std::uint32_t vertex : desc.triangles) {
+    ++adjacency.offsets[normalOf(desc, vertex) + std::size_t{1}];
   }
-  for (std::size_t p = 0; p < skinnedPointCount(desc); ++p) {
-    adjacency.offsets[p + 1] += adjacency.offsets[p];
+  for (std::size_t n = 0; n < normalCount(desc); ++n) {
+    adjacency.offsets[n + 1] += adjacency.offsets[n];
   }
-  adjacency.corners.resize(2 * desc.triangles.size());
+  adjacency.corners.resize(3 * desc.triangles.size());
   std::vector<std::uint32_t> next(adjacency.offsets.begin(), adjacency.offsets.end() - 1);
   for (std::size_t i = 0; i < desc.triangles.size(); ++i) {
-    const std::size_t first = i - i % 3;
-    const std::size_t slot = next[pointOf(i)]++;
-    adjacency.corners[2 * slot] = pointOf(first + (i + 1) % 3);
-    adjacency.corners[2 * slot + 1] = pointOf(first + (i + 2) % 3);
+    const std::size_t first = i - i % 3, slot = 3 * std::size_t{next[normalOf(desc, desc.triangles[i])]++};
+    for (std::size_t k = 0; k < 3; ++k) {
+      adjacency.corners[slot + k] = pointOf(first + (i + k) % 3);
+    }
   }
   return adjacency;
 }

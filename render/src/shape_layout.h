@@ -11,6 +11,7 @@ namespace limber::render {
 /// A vertex as the shaders read it. The last three members are for tubes only.
 struct SurfaceVertex {
   std::uint32_t point = 0;
+  std::uint32_t normal = 0;  ///< Of meshes.
   float u = 0.0f, v = 0.0f;
   float fraction = 0.0f;  ///< Of the distance from `point` to the next point.
   float out = 0.0f;       ///< Profile: distance from the centre line in radii,
@@ -39,13 +40,16 @@ std::vector<float> denseWeights(const Skin& skin, std::uint32_t pointCount);
 /// Returns 2 x #weights integers: point and the weight's bits, in the order of the skin.
 std::vector<std::uint32_t> sparseWeights(const Skin& skin);
 
-/// For every point (with a skin: place) its triangles, each as its two other points.
-struct PointAdjacency {
-  std::vector<std::uint32_t> offsets;  ///< #points + 1, into corners counted in pairs.
-  std::vector<std::uint32_t> corners;  ///< 2 per corner: the next and the previous point.
+/// For every normal its triangles, each as its three points (with a skin: places).
+struct NormalAdjacency {
+  std::vector<std::uint32_t> offsets;  ///< #normals + 1, into corners counted in threes.
+  std::vector<std::uint32_t> corners;
 };
 
-/// `desc` must be valid. Vertices at the same point share its list, so seams are smooth.
-PointAdjacency makePointAdjacency(const ShapeDesc& desc);
+/// `desc` must be valid. Vertices with the same normal share its list, so seams are smooth.
+NormalAdjacency makeNormalAdjacency(const ShapeDesc& desc);
+
+/// Returns the normal of each vertex, which is its point unless the description says otherwise.
+std::uint32_t normalOf(const ShapeDesc& desc, std::uint32_t vertex);
 
 }  // namespace limber::render

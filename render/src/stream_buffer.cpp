@@ -137,8 +137,8 @@ StreamBuffer::StreamBuffer(const Gl& gl, const StreamBufferDesc& desc)
   const std::size_t bytes = regionBytes_ * StreamRing::kRegionCount;
   const GLbitfield flags = kMapFlags | (desc.readable ? GL_MAP_READ_BIT : 0u);
   buffer_ = makeBuffer(gl, bytes, nullptr, flags);
-  mapped_ = static_cast<float*>(
-      gl.MapNamedBufferRange(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), flags));
+  mapped_ =
+      static_cast<float*>(gl.MapNamedBufferRange(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), flags));
   if (mapped_ == nullptr) {
     throw std::runtime_error("the driver refused to map a stream buffer of " + std::to_string(bytes) +
                              " bytes");

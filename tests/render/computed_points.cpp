@@ -23,10 +23,10 @@ const GpuShape& shapeOf(const Parts& parts, InstanceId instance) {
   return parts.shapes[parts.instances.shapeOf(instance)];
 }
 
-/// Reads three floats for each skinned point of the instance, from the first point of the range on.
-std::vector<float> read(const Parts& parts, InstanceId instance, const PointRange& range) {
+/// Reads so many points, three floats each, from the first point of the range on.
+std::vector<float> read(const Parts& parts, std::size_t count, const PointRange& range) {
   const Gl& gl = parts.gl;
-  std::vector<float> values(std::size_t{3} * shapeOf(parts, instance).skinnedPointCount);
+  std::vector<float> values(3 * count);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   const GLintptr offset = range.byteOffset + static_cast<GLintptr>(3 * sizeof(float) * range.first);
   gl.GetNamedBufferSubData(range.buffer, offset, static_cast<GLsizeiptr>(values.size() * sizeof(float)),
@@ -42,7 +42,7 @@ std::vector<float> readNormals(Renderer& renderer, InstanceId instance) {
   if (!shapeOf(parts, instance).needsNormals()) {
     throw std::runtime_error("the instance is not smooth");
   }
-  return read(parts, instance, parts.normalRange().from(first));
+  return read(parts, shapeOf(parts, instance).normalCount, parts.normalRange().from(first));
 }
 
 std::vector<float> readSkinnedPoints(Renderer& renderer, InstanceId instance) {
@@ -51,7 +51,7 @@ std::vector<float> readSkinnedPoints(Renderer& renderer, InstanceId instance) {
   if (!shapeOf(parts, instance).skinned()) {
     throw std::runtime_error("the instance has no skin");
   }
-  return read(parts, instance, parts.placeRange().from(first));
+  return read(parts, shapeOf(parts, instance).skinnedPointCount, parts.placeRange().from(first));
 }
 
 }  // namespace limber::render::test

@@ -25,6 +25,7 @@ struct GoldenCase {
   DrawMode mode;
   int samples;
   bool overlay;
+  Quality quality = Quality::Fast;
 };
 
 void PrintTo(const GoldenCase& value, std::ostream* out) { *out << value.name; }
@@ -38,6 +39,7 @@ Image draw(const GoldenCase& value) {
   desc.width = 320;
   desc.height = 180;
   desc.samples = value.samples;
+  desc.quality = value.quality;
   Stage stage(Backend::Auto, desc);
   populate(stage);
   DrawOptions options;
@@ -91,7 +93,9 @@ INSTANTIATE_TEST_SUITE_P(Pictures, Golden,
                          ::testing::Values(GoldenCase{"shaded", DrawMode::Shaded, 1, false},
                                            GoldenCase{"multisampled", DrawMode::Shaded, 4, false},
                                            GoldenCase{"wireframe", DrawMode::Wireframe, 1, false},
-                                           GoldenCase{"overlay", DrawMode::Shaded, 1, true}),
+                                           GoldenCase{"overlay", DrawMode::Shaded, 1, true},
+                                           GoldenCase{"gallery", DrawMode::Shaded, 4, false,
+                                                      Quality::Gallery}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -78,6 +78,29 @@ TEST_P(Normals, SmoothOnesAreAreaWeightedOverWeldedPoints) {
   expectNormals(stage, third, sheet);
 }
 
+TEST_P(Normals, OfASharpBoxAreThoseOfItsSides) {
+  Scenery box = makeBox({}, {0.5f, 0.6f, 0.7f});
+  box.shape.shading = Shading::Smooth;
+  sharpenEdges(box.shape, box.points, 0.7f);
+  EXPECT_EQ(normalCount(box.shape), 24u);
+  const InstanceId other = stage.add(cloth(5)), id = stage.add(box), second = stage.add(box);
+  stage.draw();
+  EXPECT_EQ(readNormals(stage.renderer(), other).size(), 75u);
+  const std::vector<float> normals = readNormals(stage.renderer(), id);
+  EXPECT_EQ(readNormals(stage.renderer(), second), normals);
+  std::array<int, 6> sides{};
+  for (std::uint32_t i = 0; i < 24; ++i) {
+    const Double3 n = pointAt(normals, i);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::abs(n[c]) > 0.5) {
+        EXPECT_NEAR(std::abs(n[c]), 1.0, 1e-6);
+        ++sides[2 * c + (n[c] > 0.0 ? 1 : 0)];
+      }
+    }
+  }
+  for (const int count : sides) EXPECT_EQ(count, 4);
+}
+
 TEST_P(Normals, TubeFramesAreUnitAndAcrossTheTube) {
   const Scenery tube = rope(9);
   const InstanceId id = stage.add(tube);
@@ -100,6 +123,37 @@ TEST_P(Normals, FlatShapesHaveNone) {
   const InstanceId id = stage.add(makeBox({}, {0.5f, 0.5f, 0.5f}));
   stage.draw();
   EXPECT_THROW(readNormals(stage.renderer(), id), std::runtime_error);
+}
+
+TEST(SharpEdges, LeaveWhatBendsLess) {
+  Scenery ball = makeUvSphere({}, 0.5f, 12, 24);
+  const std::size_t vertices = ball.shape.vertexToPoint.size();
+  sharpenEdges(ball.shape, ball.points, 0.7f);
+  EXPECT_EQ(normalCount(ball.shape), ball.shape.pointCount);
+  EXPECT_LE(ball.shape.vertexToPoint.size(), vertices);
+  EXPECT_EQ(validate(ball.shape), "");
+  sharpenEdges(ball.shape, ball.points, 0.01f);
+  EXPECT_GT(normalCount(ball.shape), 3u * ball.shape.pointCount);
+}
+
+// A tent: two halves of a sheet that meet at a right angle. Only the ridge is sharp, although the sheet's
+// border is the end of smoothness, too.
+TEST(SharpEdges, AreSharpOnBothSidesOfARidge) {
+  Scenery tent = cloth(5);
+  for (std::size_t i = 0; i < tent.points.size(); i += 3) {
+    tent.points[i + 1] = -std::abs(tent.points[i] - 0.6f);
+  }
+  sharpenEdges(tent.shape, tent.points, 0.7f);
+  EXPECT_EQ(normalCount(tent.shape), 25u + 5u);
+}
+
+TEST(SharpEdges, OfBadInputAreRefusedWithTheReason) {
+  Scenery box = makeBox({}, {1, 1, 1});
+  EXPECT_THROW(sharpenEdges(box.shape, {0.0f}, 0.5f), std::runtime_error);
+  Scenery tube = rope(5);
+  EXPECT_THROW(sharpenEdges(tube.shape, tube.points, 0.5f), std::runtime_error);
+  box.shape.triangles[4] = 99;
+  EXPECT_THROW(sharpenEdges(box.shape, box.points, 0.5f), std::runtime_error);
 }
 
 INSTANTIATE_TEST_SUITE_P(ComputeOn, Normals, ::testing::Values(ComputeOn::Gpu, ComputeOn::Cpu));

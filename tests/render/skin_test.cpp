@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Vertices of a skin, computed on the GPU and on the CPU, compared with sums in double precision, and pictures
-// of them.
+// Vertices of a skin, computed on the GPU and on the CPU, compared with sums in double precision, and
+// pictures of them.
 #include "shape_layout.h"
 
 #include <array>

@@ -11,7 +11,7 @@ layout(location = 0) in vec4 vertexPosition;
 layout(location = 1) in vec2 vertexUv;
 layout(location = 2) in vec3 vertexNormal;
 
-layout(std430, binding = 2) readonly buffer Instances { vec4 instances[]; };  // Colour, texture layer.
+layout(std430, binding = 2) readonly buffer Instances { vec4 instances[]; };  // Two each: colour and layer, material.
 
 out vec3 toEye;
 out vec3 shadowCoord;
@@ -25,7 +25,7 @@ void main() {
   toEye = frame.eye.xyz - position;
   shadowCoord = (frame.worldToShadow * vec4(position, 1.0)).xyz;
   uv = vertexUv;
-  look = instances[firstInstance];
+  look = instances[2u * firstInstance];
   gl_Position = frame.viewProjection * vec4(position, 1.0);
 }
 )glsl";
@@ -60,10 +60,12 @@ const ShaderProgram& UnsharedPrograms::surface(const SurfaceVariant& variant) {
   if (program.name() == 0) {
     const ShaderText normal =
         variant.smooth ? ShaderText("shading_normal.glsl") : ShaderText("flat normal", kFlatNormal);
-    program = buildProgram(gl_,
-                           {{GL_VERTEX_SHADER, {"frame.glsl", {"unshared vertices", kVertexShader}}},
-                            {GL_FRAGMENT_SHADER, {"frame.glsl", "background.glsl", normal, "surface.frag"}}},
-                           definesOf(variant, shadowTaps_));
+    program =
+        buildProgram(gl_,
+                     {{GL_VERTEX_SHADER, {"frame.glsl", {"unshared vertices", kVertexShader}}},
+                      {GL_FRAGMENT_SHADER,
+                       {"frame.glsl", "background.glsl", normal, "surface_colour.glsl", "surface.frag"}}},
+                     definesOf(variant, shadowTaps_));
   }
   return program;
 }

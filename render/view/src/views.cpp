@@ -215,6 +215,25 @@ render::ShapeDesc shapeOf(const SoftBody& body, render::Shading shading) {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
+/// Returns the places of the surface at rest, 3 floats each.
+std::vector<float> restPlaces(const SoftBody& body) {
+  const SpringNetwork& network = body.network();
+  const Skin& skin = network.render.skin;
+  std::vector<Eigen::Vector3d> places = network.restPoints;
+  if (skin.size() > 0) {
+    places.assign(skin.size(), Eigen::Vector3d::Zero());
+    for (std::size_t p = 0; p < places.size(); ++p)
+      for (std::uint32_t k = skin.firstWeight[p]; k < skin.firstWeight[p + 1]; ++k)
+        places[p] += double{skin.weights[k]} * network.restPoints[skin.points[k]];
+  }
+  std::vector<float> xyz;
+  for (const Eigen::Vector3d& place : places) {
+    const Eigen::Vector3f scaled = place.cwiseProduct(body.settings().scale).cast<float>();
+    xyz.insert(xyz.end(), {scaled.x(), scaled.y(), scaled.z()});
+  }
+  return xyz;
+}
+
 bool visible(const SoftBody& body) { return body.alive() && body.pointCount() > 0; }
 
 }  // namespace
@@ -275,15 +294,18 @@ std::size_t SoftView::shapeFor(const SoftBody& body, const SoftLook& look) {
     const Shape& shape = shapes_[s];
     if (shape.users == 0) unused = s;
     if (shape.users > 0 && shape.network == body.sharedNetwork() && shape.scale == body.settings().scale &&
-        shape.radius == radius && shape.shading == look.shading && shape.hideBackFaces == look.hideBackFaces)
+        shape.radius == radius && shape.shading == look.shading &&
+        shape.hideBackFaces == look.hideBackFaces && shape.sharpAngle == look.sharpAngle)
       return s;
   }
   render::ShapeDesc desc = shapeOf(body, look.shading);
   desc.hideBackFaces = look.hideBackFaces;
+  if (look.shading == render::Shading::Smooth && look.sharpAngle > 0.0f && !desc.triangles.empty())
+    render::sharpenEdges(desc, restPlaces(body), look.sharpAngle);
   const render::ShapeId id = renderer_.addShape(desc);
   if (unused == shapes_.size()) shapes_.emplace_back();
-  shapes_[unused] = {
-      body.sharedNetwork(), body.settings().scale, radius, look.shading, look.hideBackFaces, id, 0};
+  shapes_[unused] = {body.sharedNetwork(), body.settings().scale, radius, look.shading,
+                     look.hideBackFaces,   look.sharpAngle,       id,     0};
   return unused;
 }
 

@@ -33,10 +33,31 @@ struct InstanceId {
   std::uint32_t generation = 0;  ///< Makes the id of a removed instance invalid for ever.
 };
 
-/// Colour and texture of one instance of a shape.
+/// How a surface reflects light. Visible in Quality::Gallery only.
+struct Material {
+  float roughness = 0.5f;     ///< 0 (a mirror) to 1 (chalk); below 0.05 as 0.05.
+  float metalness = 0.0f;     ///< 0, or 1: reflections have the surface's colour.
+  float translucency = 0.0f;  ///< Metres inside the body after which a third of the sun's light is left.
+  float threads = 0.0f;       ///< Of a weave, per unit of uv; 0: no cloth.
+
+  static Material rubber() { return {0.55f, 0.0f, 0.0f, 0.0f}; }
+  static Material jelly(float translucency) { return {0.12f, 0.0f, translucency, 0.0f}; }
+  static Material cloth(float threads) { return {0.95f, 0.0f, 0.0f, threads}; }
+  static Material metal() { return {0.28f, 1.0f, 0.0f, 0.0f}; }
+};
+
+/// Colour, texture and material of one instance of a shape.
 struct InstanceLook {
   Vec3 colour{0.85f, 0.47f, 0.32f};  ///< sRGB, 0 to 1; multiplies the texture if there is one.
   TextureId texture;
+  Material material{};
+};
+
+enum class Quality {
+  Fast,  ///< For live use.
+  /// Ambient occlusion, shadows that widen with distance, materials, a wall that meets the floor at the
+  /// horizon, tones like those of film. For pictures: several times the time, see bench/README.md.
+  Gallery
 };
 
 /// The processor that computes skins, normals and the side vectors of tubes in every frame. Both give the
@@ -51,9 +72,10 @@ enum class ComputeOn {
 struct RendererDesc {
   int width = 1280;
   int height = 720;
-  int samples = 1;                   ///< Multisampling; 1 is off.
-  int shadowMapSize = 2048;          ///< Texels per side.
-  int shadowTaps = 4;                ///< 1 or 4 filtered look-ups per pixel.
+  int samples = 1;           ///< Multisampling; 1 is off.
+  int shadowMapSize = 2048;  ///< Texels per side.
+  int shadowTaps = 4;        ///< 1 or 4 filtered look-ups per pixel.
+  Quality quality = Quality::Fast;
   int textureSize = 512;             ///< Every texture is resampled to a square of this many texels.
   std::size_t initialPoints = 4096;  ///< Capacity in points per frame before the buffer first grows.
   std::chrono::nanoseconds fenceTimeout = std::chrono::seconds(5);
@@ -186,6 +208,7 @@ class Renderer {
   /// The last picture as an OpenGL texture (GL_TEXTURE_2D, sRGB, top row first), until the next resize().
   unsigned texture() const;
 
+  Quality quality() const;
   /// Returns where skins and normals are computed, see ComputeOn.
   bool computesOnCpu() const;
 

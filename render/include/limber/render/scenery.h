@@ -22,7 +22,8 @@ Scenery makeBox(Vec3 centre, Vec3 halfExtents);
 /// Smooth; `rings` bands from pole to pole (at least 2), `segments` around (at least 3).
 Scenery makeUvSphere(Vec3 centre, float radius, std::uint32_t rings = 24, std::uint32_t segments = 48);
 
-/// A horizontal quad facing up, with the grid pattern (1 metre cells) fading out at `halfSize`.
-Scenery makeFloor(Vec3 centre, float halfSize);
+/// A horizontal quad facing up, with the grid pattern (1 metre cells) fading out at `halfSize`. `extent`:
+/// half its sides, if they are longer. With Quality::Gallery the floor ends at the horizon, or with the quad.
+Scenery makeFloor(Vec3 centre, float halfSize, float extent = 0.0f);
 
 }  // namespace limber::render

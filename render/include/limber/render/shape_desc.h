@@ -45,12 +45,15 @@ struct ShapeDesc {
   std::vector<std::uint32_t>
       vertexToPoint;       ///< Point (with a skin: place) of each vertex; empty: vertex i is at point i.
   std::vector<float> uvs;  ///< 2 per vertex, or empty.
+  /// Normal of each vertex, for smooth shading: vertices of one normal are shaded as one curved surface. They
+  /// are counted from 0. Empty: one normal per point (with a skin: place). See sharpenEdges().
+  std::vector<std::uint32_t> vertexToNormal;
   std::vector<std::uint32_t> triangles;  ///< 3 vertex indices each, counter-clockwise outside.
   std::vector<std::uint32_t> lines;      ///< 2 point indices each.
   std::vector<float> lineRestLengths;    ///< Metres, > 0, one per line; empty: not coloured.
 
   Shading shading = Shading::Flat;
-  bool twoSided = false;    ///< Draw and light both sides (cloth).
+  bool twoSided = false;  ///< Draw and light both sides (cloth).
   /// Leaves out the back faces of a two-sided surface if it is closed. They are visible only if the body is
   /// turned inside out or cut open by the picture's near plane, and are half the work of a software
   /// rasteriser.
@@ -68,6 +71,15 @@ struct ShapeDesc {
 inline std::size_t skinnedPointCount(const ShapeDesc& desc) {
   return desc.skin.first.empty() ? desc.pointCount : desc.skin.skinnedPointCount();
 }
+
+/// Returns the number of normals of a smooth mesh: at least that of the points, or of the skin's places.
+std::size_t normalCount(const ShapeDesc& desc);
+
+/// Makes edges sharp where the surface bends by more than `angle` (radians, 0 to pi) between two triangles at
+/// rest, and at edges that do not have two triangles. Around a point, triangles that are joined across smooth
+/// edges share a normal. Vertices are added at sharp edges. `positions`: 3 x skinnedPointCount() floats.
+/// Throws std::runtime_error for a description that is not valid, a tube, or another number of positions.
+void sharpenEdges(ShapeDesc& desc, const std::vector<float>& positions, float angle);
 
 /// Returns the reason why the description cannot be drawn (with array and index), or an empty string.
 std::string validate(const ShapeDesc& desc);

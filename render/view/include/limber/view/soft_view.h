@@ -29,6 +29,9 @@ struct SoftLook {
   render::InstanceLook instance;
   render::Shading shading = render::Shading::Smooth;
   bool hideBackFaces = false;  ///< See render::ShapeDesc.
+  /// Smooth shading has sharp edges where the body at rest bends by more than this, radians. See
+  /// render::sharpenEdges(). Default, 0: none; the shape's corners are shaded as round.
+  float sharpAngle = 0.0f;
 };
 
 /// Shows the soft bodies of a system. Bodies of one network, scale and point radius share a shape and are
@@ -60,6 +63,7 @@ class SoftView {
     double radius;
     render::Shading shading;
     bool hideBackFaces;
+    float sharpAngle;
     render::ShapeId id;
     std::size_t users;
   };
