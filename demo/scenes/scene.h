@@ -119,10 +119,10 @@ struct SceneOptions {
   std::string cacheFolder;  ///< of cooked bodies; empty: none
 };
 
-/// Appearance of a body; plain data, so that scenes need no renderer.
 /// How a surface reflects light, as the renderer knows it.
 enum class Finish { Rubber, Jelly, Cloth, Metal };
 
+/// Appearance of a body; plain data, so that scenes need no renderer.
 struct BodyLook {
   Eigen::Vector3f colour = Eigen::Vector3f(0.85f, 0.47f, 0.32f);  ///< sRGB, 0 to 1
   bool smooth = false;                                            ///< shaded as a curved surface

@@ -25,6 +25,11 @@ const std::vector<SceneEntry>& sceneList() {
        &createDent, 3},
       {"tear", "a heavy ball falls on a stretched sheet and tears it", 10.0, false, &createTear, 1},
       {"cut", "a blade cuts a hanging cloth, two planes cut a block of jelly", 10.0, false, &createCut, 2},
+      {"wobble", "a jelly wobbles on a dish that is shaken", 5.0, false, &createWobble, 1},
+      {"stiffness", "balls of five stiffnesses, each four times the one before, fall side by side", 8.0,
+       false, &createStiffness, 5},
+      {"balloon", "two plates squeeze a balloon and let it go", 9.0, false, &createBalloon, 1},
+      {"statue", "a cloth falls over the statue of a head", 5.0, false, &createStatue, 1},
       {"skeleton", "a dancer turns in a dress that the bones carry", 9.0, false, &createSkeleton},
   };
   return kScenes;

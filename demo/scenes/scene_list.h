@@ -36,6 +36,10 @@ SceneResult createFlag(const SceneOptions& options);
 SceneResult createPool(const SceneOptions& options);
 SceneResult createDent(const SceneOptions& options);
 SceneResult createTear(const SceneOptions& options);
+SceneResult createWobble(const SceneOptions& options);
+SceneResult createStiffness(const SceneOptions& options);
+SceneResult createBalloon(const SceneOptions& options);
+SceneResult createStatue(const SceneOptions& options);
 SceneResult createSkeleton(const SceneOptions& options);
 SceneResult createCut(const SceneOptions& options);
 

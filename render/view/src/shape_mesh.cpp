@@ -7,6 +7,8 @@
 #include <btBulletCollisionCommon.h>
 
 #include <array>
+#include <cstdint>
+#include <map>
 
 namespace limber::view {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -65,13 +67,19 @@ Scenery hullMesh(const btConvexShape& convex) {
   return mesh;
 }
 
+/// Corners at the same place become one point.
 struct TriangleCollector final : btTriangleCallback {
   Scenery mesh;
+  std::map<std::array<float, 3>, std::uint32_t> places;
   void processTriangle(btVector3* corners, int, int) override {
     for (int k = 0; k < 3; ++k) {
       const render::Vec3 p = toVec3(corners[k]);
-      mesh.points.insert(mesh.points.end(), {p.x, p.y, p.z});
-      mesh.shape.triangles.push_back(mesh.shape.pointCount++);
+      const auto [found, isNew] = places.try_emplace({p.x, p.y, p.z}, mesh.shape.pointCount);
+      if (isNew) {
+        mesh.points.insert(mesh.points.end(), {p.x, p.y, p.z});
+        ++mesh.shape.pointCount;
+      }
+      mesh.shape.triangles.push_back(found->second);
     }
   }
 };

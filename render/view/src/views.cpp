@@ -53,6 +53,10 @@ btVector3 sizeOf(const btCollisionShape& shape) {
   return btVector3(radius, radius, radius);
 }
 
+/// Shapes with more triangles than a box may be curved. Edges that bend by more than this are sharp, rad.
+constexpr std::size_t kBoxTriangles = 12;
+constexpr float kSharpAngle = 0.75f;
+
 render::Scenery unitMeshOf(const btCollisionShape& shape) {
   if (isBox(shape)) return render::makeBox({}, {1.0f, 1.0f, 1.0f});
   if (isSphere(shape)) return render::makeUvSphere({}, 1.0f);
@@ -148,8 +152,13 @@ std::optional<std::size_t> RigidView::surfaceFor(const btCollisionShape& shape) 
     if (surfaces_[s].users > 0 && surfaces_[s].key == key) return s;
     if (surfaces_[s].users == 0) unused = s;
   }
-  const render::Scenery mesh = unitMeshOf(shape);
+  render::Scenery mesh = unitMeshOf(shape);
   if (mesh.shape.triangles.empty()) return std::nullopt;
+  if (mesh.shape.triangles.size() > 3 * kBoxTriangles && mesh.shape.shading == render::Shading::Flat &&
+      mesh.shape.pattern == render::Pattern::Plain) {
+    mesh.shape.shading = render::Shading::Smooth;
+    render::sharpenEdges(mesh.shape, mesh.points, kSharpAngle);
+  }
   const render::RigidShape rigid = render::makeRigid(mesh);
   const render::ShapeId id = renderer_.addShape(rigid.shape);
   if (unused == surfaces_.size()) surfaces_.emplace_back();
