@@ -29,6 +29,7 @@ const std::vector<SceneEntry>& sceneList() {
       {"stiffness", "balls of five stiffnesses, each four times the one before, fall side by side", 8.0,
        false, &createStiffness, 5},
       {"balloon", "two plates squeeze a balloon and let it go", 9.0, false, &createBalloon, 1},
+      {"bridge", "a car drives over a bridge of cloth", 8.0, false, &createBridge, 1},
       {"statue", "a cloth falls over the statue of a head", 5.0, false, &createStatue, 1},
       {"skeleton", "a dancer turns in a dress that the bones carry", 9.0, false, &createSkeleton},
   };

@@ -36,6 +36,7 @@ SceneResult createFlag(const SceneOptions& options);
 SceneResult createPool(const SceneOptions& options);
 SceneResult createDent(const SceneOptions& options);
 SceneResult createTear(const SceneOptions& options);
+SceneResult createBridge(const SceneOptions& options);
 SceneResult createWobble(const SceneOptions& options);
 SceneResult createStiffness(const SceneOptions& options);
 SceneResult createBalloon(const SceneOptions& options);
