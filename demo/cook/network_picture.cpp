@@ -234,9 +234,27 @@ class StaticShapes {
   std::vector<std::pair<render::InstanceId, std::vector<float>>> instances_;
 };
 
+const Eigen::Vector3d kTowardsEye(0.45, 0.4, 1.0);
+
+/// Returns the network without the springs on the eye's side of a plane through its middle, across its
+/// thinnest extent, if they hide braces.
+SpringNetwork cutAway(SpringNetwork network) {
+  const auto isBrace = [](const NetworkSpring& spring) { return spring.kind == SpringKind::Brace; };
+  if (std::none_of(network.springs.begin(), network.springs.end(), isBrace)) return network;
+  const Eigen::AlignedBox3d box = boundsOf(network);
+  Eigen::Index axis = 0;
+  box.sizes().minCoeff(&axis);
+  const auto isInFront = [&](const NetworkSpring& spring) {
+    return network.restPoints[spring.a][axis] + network.restPoints[spring.b][axis] > 2.0 * box.center()[axis];
+  };
+  network.springs.erase(std::remove_if(network.springs.begin(), network.springs.end(), isInFront),
+                        network.springs.end());
+  return network;
+}
+
 render::Camera cameraFor(const Eigen::AlignedBox3d& box, int width, int height) {
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
-  return render::frameBox(toVec3(box.min()), toVec3(box.max()), {0.45f, 0.4f, 1.0f}, aspect);
+  return render::frameBox(toVec3(box.min()), toVec3(box.max()), toVec3(kTowardsEye), aspect);
 }
 
 render::Light plainLight() {
@@ -274,18 +292,22 @@ std::vector<LegendEntry> legendOf(const SpringNetwork& network) {
 render::Image drawNetwork(const SpringNetwork& network, int width, int height) {
   const Eigen::AlignedBox3d box = boundsOf(network);
   const double size = box.diagonal().norm(), radius = rodRadius(network, size);
+  const SpringNetwork cut = cutAway(network);
   const auto context = render::createContext();
   render::RendererDesc desc;
   desc.width = width;
   desc.height = height;
   desc.samples = 4;
+  desc.quality = render::Quality::Gallery;
   render::Renderer renderer(*context, desc);
   StaticShapes shapes(renderer);
   shapes.add(farWalls(network, 0.004 * size), kWallColour);
-  shapes.add(springLines(network, SpringKind::Structural), kLineColour);
+  shapes.add(springLines(cut, SpringKind::Structural), kLineColour);
   for (const SpringKind kind : kRodKinds)
-    shapes.add(springRods(network, kind, radius), kKindColours[static_cast<std::size_t>(kind)]);
-  render::Image image = shapes.draw(cameraFor(box, width, height), plainLight(), drawOptions(height));
+    shapes.add(springRods(cut, kind, radius), kKindColours[static_cast<std::size_t>(kind)]);
+  render::Image image =
+      shapes.draw(cameraFor(box, width, height),
+                  render::lightBox(toVec3(box.min()), toVec3(box.max()), plainLight()), drawOptions(height));
   drawLegend(image, legendOf(network));
   return image;
 }

@@ -35,8 +35,9 @@ struct LegendEntry {
 void drawLegend(render::Image& image, const std::vector<LegendEntry>& entries);
 
 /// Draws the network from the front and above: the far walls of its surface, the structural springs as thin
-/// lines, all other springs as rods coloured by kind, and a legend. Throws std::runtime_error with the
-/// driver's reason.
+/// lines, all other springs as rods coloured by kind, and a legend with their numbers. If there are braces,
+/// springs in front of a plane through the middle are left out: the body is cut open. Throws
+/// std::runtime_error with the driver's reason.
 render::Image drawNetwork(const SpringNetwork& network, int width, int height);
 
 }  // namespace limber::demo
