@@ -104,6 +104,19 @@ TEST(Links, dampersKeepMomentumAndOnlyTakeEnergy) {
   EXPECT_LT((linked.angular() - l).norm(), 1e-9);
 }
 
+TEST(Links, thatHoldAPointAtRestMakeNoError) {
+  Linked linked;
+  linked.points.velocity.setZero();
+  linked.points.acceleration.col(0) = Vector3d(0, -9.81, 0);
+  LinkEnd place;
+  const double stretched = 0.8 + 9.81 / (4.0 * 40.0);
+  place.pivot = linked.points.position.col(0) + Vector3d(0, stretched, 0);
+  linked.addSpring(linked.point(0), place, 0.0);
+  linked.run(0.1, 10);
+  EXPECT_LT((linked.points.position.col(0) - place.pivot + Vector3d(0, stretched, 0)).norm(), 1e-12);
+  EXPECT_LT(linked.island.bodies[0].errorRate, 1e-12);
+}
+
 TEST(Anchors, holdPointsAtTheirPivotsAndKeepMomentum) {
   Linked linked;
   const Vector3d first = Vector3d(0.5, 0, 0), second = Vector3d(0.5, 0.4, 0.1);

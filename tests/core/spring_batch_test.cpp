@@ -48,25 +48,56 @@ struct DeformedBody : SteppedTestBody {
   std::vector<PlaneContact> rows;
 };
 
+/// The same with links: one-sided springs to a moving place in the world, a spring to a rigid body and an
+/// anchor on it.
+struct LinkedBody : DeformedBody {
+  LinkedBody(const SharedNetwork& network, double damping) : DeformedBody(network, damping) {
+    RigidState rigid;
+    rigid.position = {0.3, 1.0, 0.2};
+    rigid.inverseMass.setConstant(0.5);
+    rigid.inverseInertiaLocal.setConstant(3.0);
+    rigid.angularVelocity = {0.5, 1.0, -2.0};
+    group.links.rigids.push_back(rigid);
+    const LinkEnd pivot{LinkEnd::Kind::Rigid, 0, 0, {0.1, 0.2, 0.0}};
+    const LinkEnd place{LinkEnd::Kind::World, 0, 0, {0.5, 0.5, 0.0}, {1.0, 0.0, 0.5}};
+    const auto last = static_cast<std::uint32_t>(state.position.cols() - 1);
+    group.links.springs = {{point(1), place, 0.3, 200.0, 0.0, 1.0},
+                           {point(last), place, 2.0, 0.0, 200.0, 1.0},
+                           {pivot, point(last), 0.5, 100.0, 100.0, 0.5}};
+    group.links.anchors.push_back({point(1), pivot});
+  }
+  static LinkEnd point(std::uint32_t i) { return {LinkEnd::Kind::Point, 0, i, Eigen::Vector3d::Zero()}; }
+};
+
+/// Steps two equal bodies, one of them with single springs, and compares them.
+template <class Body>
+void compareSteps(const SharedNetwork& network, double damping) {
+  SCOPED_TRACE(testing::Message() << network->springs.size() << " springs, damping " << damping);
+  Body single(network, damping), four(network, damping);
+  SpringBatchArrays springBatches;
+  four.stepped().springBatches = &springBatches;
+  for (int tick = 0; tick < 20; ++tick) {
+    const int substeps = tick < 10 ? 6 : 9;
+    single.stepped();
+    stepVerlet(single.group, 1.0 / 60, substeps);
+    stepVerlet(four.group, 1.0 / 60, substeps);
+    ASSERT_TRUE((single.state.position.array() == four.state.position.array()).all()) << tick;
+    ASSERT_TRUE((single.state.velocity.array() == four.state.velocity.array()).all()) << tick;
+    ASSERT_EQ(single.group.bodies[0].errorRate, four.group.bodies[0].errorRate) << tick;
+  }
+  EXPECT_TRUE(four.state.position.allFinite());
+}
+
 TEST(Quads, giveTheBitsOfSpringBySpring) {
   if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has no AVX2";
   for (const SharedNetwork& network : networks())
-    for (const double damping : {0.0, 0.2}) {
-      SCOPED_TRACE(testing::Message() << network->springs.size() << " springs, damping " << damping);
-      DeformedBody single(network, damping), four(network, damping);
-      SpringBatchArrays springBatches;
-      four.stepped().springBatches = &springBatches;
-      for (int tick = 0; tick < 20; ++tick) {
-        const int substeps = tick < 10 ? 6 : 9;
-        single.stepped();
-        stepVerlet(single.group, 1.0 / 60, substeps);
-        stepVerlet(four.group, 1.0 / 60, substeps);
-        ASSERT_TRUE((single.state.position.array() == four.state.position.array()).all()) << tick;
-        ASSERT_TRUE((single.state.velocity.array() == four.state.velocity.array()).all()) << tick;
-        ASSERT_EQ(single.group.bodies[0].errorRate, four.group.bodies[0].errorRate) << tick;
-      }
-      EXPECT_TRUE(four.state.position.allFinite());
-    }
+    for (const double damping : {0.0, 0.2}) compareSteps<DeformedBody>(network, damping);
+}
+
+TEST(Quads, giveTheBitsOfSpringBySpringToLinkedBodies) {
+  if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has no AVX2";
+  for (const SharedNetwork& network : networks())
+    for (const double damping : {0.0, 0.2}) compareSteps<LinkedBody>(network, damping);
 }
 
 TEST(SpringOrder, hasEverySpringOnceAndMostFoursApart) {

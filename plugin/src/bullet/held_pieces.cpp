@@ -292,9 +292,10 @@ double maxEdgeSquared(const MovingSurface& soft, double radius) {
 /// partner or an object beside it.
 bool hasContactAlong(const SoftBodyData& body, std::uint32_t point, const Vector3d& normal, double gap) {
   const ContactRange rows = contactsOfPoint(body.contacts, point);
+  const Points& present = *body.surface.moving.position;  // within a step, body.state may be behind
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
     const PlaneContact& row = body.contacts[r];
-    const bool isNear = row.normal.dot(body.state.position.col(point) - row.touch) <= gap;
+    const bool isNear = row.normal.dot(present.col(point) - row.touch) <= gap;
     if (!row.away && isNear && row.normal.dot(normal) > kMinSameSide) return true;
   }
   return false;

@@ -243,9 +243,9 @@ void searchInStep(void* context, SolverIsland& group, double since, double ahead
   for (std::uint32_t number = 0; number < island->candidates.size(); ++number) {
     const IslandPair& m = island->candidates[number];
     if (!m.needsNewSearch()) continue;
-    SidePositions sides{&group.views[m.a], nullptr, nullptr, since / found->tick};
+    SidePositions sides{&group.links.views[m.a], nullptr, nullptr, since / found->tick};
     if (m.surfaces->other)
-      sides.b = &group.views[m.b];
+      sides.b = &group.links.views[m.b];
     else if (!m.surfaces->held)
       sides.rigid = &group.links.rigids[m.b];
     findContactsInStep(*m.surfaces, sides, ahead, found->tick, *search);

@@ -74,12 +74,12 @@ const double* scaledMass(IslandConstraints& rows, const double* inverseMass, dou
 
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
-                     const std::vector<PointView>& views, const ContactPoint& side, double sign) {
+                     const ContactPoint& side, double sign) {
   const Vector3d speeds = inAxes(row, sign * side.velocity);
   row.surfaceSpeeds += {speeds[0], speeds[1], speeds[2]};
   if (side.kind == ContactPoint::Kind::World) return;
   if (side.kind == ContactPoint::Kind::Soft) {
-    const PointView& view = views[side.body];
+    const PointView& view = bodies.views[side.body];
     for (std::uint32_t i = 0; i < side.count; ++i) {
       const double* inverseMass = inverseMassOf(rows, view, side.body, side.point[i]);
       if (side.massFactor != 1.0) inverseMass = scaledMass(rows, inverseMass, side.massFactor);
@@ -211,16 +211,15 @@ void excludePinned(IslandConstraints& rows, ContactConstraint& row) {
   row.surfaceSpeeds += {-speeds.x(), -speeds.y(), -speeds.z()};
 }
 
-void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& c, LinkedBodies& bodies,
-                const std::vector<PointView>& views) {
+void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& c, LinkedBodies& bodies) {
   setAxes(row, c.normal);
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   row.surfaceSpeeds = ContactVector();
   row.firstPoint = static_cast<std::uint32_t>(rows.points.size());
   row.firstRotation = static_cast<std::uint32_t>(rows.rotations.size());
-  addContactPoint(rows, row, bodies, views, c.a, 1.0);
+  addContactPoint(rows, row, bodies, c.a, 1.0);
   row.firstOfB = static_cast<std::uint32_t>(rows.points.size());
-  addContactPoint(rows, row, bodies, views, c.b, -1.0);
+  addContactPoint(rows, row, bodies, c.b, -1.0);
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
   row.endRotation = static_cast<std::uint32_t>(rows.rotations.size());
   setMobility(row, axes.transpose() * mobilityOf(rows, row, c, bodies) * axes);
@@ -370,7 +369,7 @@ void setMobility(ContactConstraint& row, const Matrix3d& mobility) {
   setTangentialMasses(row, uu + row.acrossSoftness, uv, vv + row.acrossSoftness);
 }
 
-void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views) {
+void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   rows.points.clear();
   rows.momentArms.clear();
   rows.rotations.clear();
@@ -379,7 +378,7 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std
   findAnchored(rows, bodies);
   reserveScaledMasses(rows);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)
-    prepareRow(rows, rows.rows[i], rows.contacts[i], bodies, views);
+    prepareRow(rows, rows.rows[i], rows.contacts[i], bodies);
   for (ContactConstraint& row : rows.rows) row.lastSpeed = speedAlong(rows, row);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }

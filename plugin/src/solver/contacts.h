@@ -161,8 +161,8 @@ struct IslandConstraints {
 };
 
 /// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
-/// changed within the tick (see finishConstraints). The state of bodies.points[i] is at views[i].
-void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies, const std::vector<PointView>& views);
+/// changed within the tick (see finishConstraints).
+void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies);
 
 /// Returns the offset (m) of one sphere from another at their first touch within dt seconds, or else when
 /// they are nearest in that time. Returns the present offset if they overlap. `radiusSum` is in m.

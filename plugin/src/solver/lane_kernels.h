@@ -91,7 +91,6 @@ struct SpringBatchBody {
 double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps);
 /// The parts of this step, for bodies that are stepped together with others. They need AVX2.
 void computeBatchForces(const SpringBatchBody& body);
-double computeBatchForcesAndChange(const SpringBatchBody& body);
 void kickSpringBatches(const SpringBatchBody& body, double dt);
 void driftSpringBatches(const SpringBatchBody& body, double dt);
 void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward);

@@ -62,16 +62,28 @@ Vector3d arm(const LinkedBodies& bodies, const LinkEnd& end) {
   return bodies.rigids[end.body].rotation * end.pivot;
 }
 
+/// Returns the points of the body at an end of kind Point.
+PointView pointsAt(const LinkedBodies& bodies, const LinkEnd& end) {
+  return bodies.views.empty() ? viewOf(*bodies.points[end.body]) : bodies.views[end.body];
+}
+
+/// Returns the world position (m) of an end. In this file, so that the loops over links have it inline.
+inline Vector3d positionAt(const LinkedBodies& bodies, const LinkEnd& end) {
+  if (end.kind == LinkEnd::Kind::World) return end.pivot;
+  if (end.kind == LinkEnd::Kind::Point) return pointsAt(bodies, end).positionOf(end.point);
+  return bodies.rigids[end.body].position + arm(bodies, end);
+}
+
 Vector3d endVelocity(const LinkedBodies& bodies, const LinkEnd& end) {
   if (end.kind == LinkEnd::Kind::World) return end.velocity;
-  if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->velocity.col(end.point);
+  if (end.kind == LinkEnd::Kind::Point) return pointsAt(bodies, end).velocityOf(end.point);
   return bodies.rigids[end.body].velocityAt(arm(bodies, end));
 }
 
 void applyImpulse(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& impulse) {
   if (end.kind == LinkEnd::Kind::Point) {
-    PointState& p = *bodies.points[end.body];
-    p.velocity.col(end.point) += impulse.cwiseProduct(p.inverseMass.col(end.point));
+    const PointView points = pointsAt(bodies, end);
+    points.velocityOf(end.point) += impulse.cwiseProduct(points.inverseMassOf(end.point));
   } else if (end.kind == LinkEnd::Kind::Rigid) {
     bodies.rigids[end.body].applyImpulse(impulse, arm(bodies, end));
   }
@@ -79,7 +91,7 @@ void applyImpulse(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& impu
 
 void addForce(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& force) {
   if (end.kind == LinkEnd::Kind::Point) {
-    bodies.points[end.body]->force.col(end.point) += force;
+    pointsAt(bodies, end).forceOf(end.point) += force;
   } else if (end.kind == LinkEnd::Kind::Rigid) {
     RigidState& rigid = bodies.rigids[end.body];
     rigid.force += force;
@@ -90,15 +102,26 @@ void addForce(LinkedBodies& bodies, const LinkEnd& end, const Vector3d& force) {
 /// 3 x 3: the velocity change at the end per impulse there.
 Matrix3d mobility(const LinkedBodies& bodies, const LinkEnd& end) {
   if (end.kind == LinkEnd::Kind::World) return Matrix3d::Zero();
-  if (end.kind == LinkEnd::Kind::Point)
-    return bodies.points[end.body]->inverseMass.col(end.point).asDiagonal();
+  if (end.kind == LinkEnd::Kind::Point) return pointsAt(bodies, end).inverseMassOf(end.point).asDiagonal();
   return bodies.rigids[end.body].mobilityAt(arm(bodies, end));
+}
+
+/// 1/kg: n . mobility n, for a unit vector n.
+double mobilityAlong(const LinkedBodies& bodies, const LinkEnd& end, const Vector3d& n) {
+  if (end.kind == LinkEnd::Kind::World) return 0.0;
+  if (end.kind == LinkEnd::Kind::Point) {
+    const Vector3d response = pointsAt(bodies, end).inverseMassOf(end.point).cwiseProduct(n);
+    return n.dot(response);
+  }
+  const RigidState& rigid = bodies.rigids[end.body];
+  const Vector3d turn = arm(bodies, end).cross(n);
+  return n.dot(rigid.inverseMass.cwiseProduct(n)) + turn.dot(rigid.inverseInertia * turn);
 }
 
 /// Returns an upper bound of the mobility in any direction and at any rotation.
 double mobilityBound(const LinkedBodies& bodies, const LinkEnd& end) {
   if (end.kind == LinkEnd::Kind::World) return 0.0;
-  if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->inverseMass.col(end.point).maxCoeff();
+  if (end.kind == LinkEnd::Kind::Point) return pointsAt(bodies, end).inverseMassOf(end.point).maxCoeff();
   const RigidState& rigid = bodies.rigids[end.body];
   return rigid.inverseMass.maxCoeff() + end.pivot.squaredNorm() * rigid.inverseInertiaLocal.maxCoeff();
 }
@@ -122,9 +145,17 @@ void clearSums(LinkedBodies& bodies) {
   bodies.stiffnessSums.assign(count, 0.0);
 }
 
+/// Whether a link of this squared length (m^2) has no force. Most of those that limit a distance are slack,
+/// and this takes no square root.
+bool isSlack(const LinkSpring& s, double squaredLength) {
+  const double square = s.restLength * s.restLength;
+  return (s.extensionStiffness == 0.0 && squaredLength >= square) ||
+         (s.compressionStiffness == 0.0 && squaredLength <= square);
+}
+
 void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
   const Vector3d& n = s.direction;
-  const double w = n.dot((mobility(bodies, s.a) + mobility(bodies, s.b)) * n);
+  const double w = mobilityAlong(bodies, s.a, n) + mobilityAlong(bodies, s.b, n);
   const double speed = n.dot(endVelocity(bodies, s.b) - endVelocity(bodies, s.a));
   const Vector3d impulse = dampingImpulse(s.damping, w, dt) * speed * n;
   applyImpulse(bodies, s.a, impulse);
@@ -159,18 +190,20 @@ constexpr double kSlowRecovery = 1e-3;
 
 }  // namespace
 
-Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end) {
-  if (end.kind == LinkEnd::Kind::World) return end.pivot;
-  if (end.kind == LinkEnd::Kind::Point) return bodies.points[end.body]->position.col(end.point);
-  return bodies.rigids[end.body].position + arm(bodies, end);
-}
+Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end) { return positionAt(bodies, end); }
 
 void addLinkForces(LinkedBodies& bodies) {
-  for (LinkSpring& s : bodies.springs) {
-    const Vector3d d = endPosition(bodies, s.b) - endPosition(bodies, s.a);
+  bodies.taut.clear();
+  bodies.taut.reserve(bodies.springs.capacity());
+  for (std::size_t i = 0; i < bodies.springs.size(); ++i) {
+    LinkSpring& s = bodies.springs[i];
+    const Vector3d d = positionAt(bodies, s.b) - positionAt(bodies, s.a);
+    s.force = 0.0;
+    if (isSlack(s, d.squaredNorm())) continue;
     const SpringPull pull = springPull(d, s.restLength, s.extensionStiffness, s.compressionStiffness);
     s.direction = pull.direction;
     s.force = pull.force;
+    bodies.taut.push_back(static_cast<std::uint32_t>(i));
     addForce(bodies, s.a, pull.force * pull.direction);
     addForce(bodies, s.b, -pull.force * pull.direction);
   }
@@ -187,9 +220,9 @@ void sumAnchorImpulses(LinkedBodies& bodies) {
 }
 
 void dampLinks(LinkedBodies& bodies, double dt, bool forward) {
-  const std::size_t count = bodies.springs.size();
+  const std::size_t count = bodies.taut.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const LinkSpring& s = bodies.springs[forward ? i : count - 1 - i];
+    const LinkSpring& s = bodies.springs[bodies.taut[forward ? i : count - 1 - i]];
     if (s.damping > 0.0) dampLink(bodies, s, dt);
   }
 }

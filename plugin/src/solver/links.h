@@ -76,7 +76,7 @@ struct LinkEnd {
 struct LinkSpring {
   LinkEnd a, b;
   double restLength = 0.0, extensionStiffness = 0.0, compressionStiffness = 0.0, damping = 0.0;
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< from a to b, 0 while slack
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< from a to b, while it is taut
   double force = 0.0;                                   ///< N, positive: pulls
 };
 
@@ -99,16 +99,19 @@ struct LinkAnchor {
 /// Soft and rigid bodies that links join and that are stepped together.
 struct LinkedBodies {
   std::vector<PointState*> points;
+  std::vector<PointView> views;  ///< during a step: where it has the points of each body; else empty
   std::vector<RigidState> rigids;
   std::vector<LinkSpring> springs;
   std::vector<LinkAnchor> anchors;
+
+  std::vector<std::uint32_t> taut;  ///< written by addLinkForces(): the springs that are not slack
 
   // Scratch of linkFrequencyBoundSquared.
   std::vector<double> stiffnessSums;       ///< #rigids, then #points of all bodies
   std::vector<std::size_t> firstOfPoints;  ///< #points, index of each body's first point in stiffnessSums
 };
 
-/// Adds the force of every link to both its ends and stores its direction.
+/// Adds the force of every link to both its ends, and stores its direction and which are taut.
 void addLinkForces(LinkedBodies& bodies);
 
 /// Moves the ends in the world for `dt` seconds.
@@ -117,7 +120,7 @@ void driftLinks(LinkedBodies& bodies, double dt);
 /// Adds the anchors' impulses of a substep to those of the tick.
 void sumAnchorImpulses(LinkedBodies& bodies);
 
-/// Applies the link dampers for `dt` seconds, see dampingImpulse().
+/// Applies the dampers of the taut links for `dt` seconds, see dampingImpulse().
 void dampLinks(LinkedBodies& bodies, double dt, bool forward);
 
 /// Returns the links' addition (rad^2/s^2) to the bound of the fastest oscillation (frequencyBoundSquared,

@@ -58,10 +58,13 @@ struct PointView {
   double* velocity;           ///< m/s
   const double* inverseMass;  ///< 1/kg
   int axisStride, pointStride;
+  double* force = nullptr;         ///< N; nullptr, as the next one, if the step does not share its forces
+  double* earlierForce = nullptr;  ///< N, scratch of the step
 
   ConstColumn positionOf(std::uint32_t i) const { return ConstColumn(position + at(i), step()); }
   Column velocityOf(std::uint32_t i) const { return Column(velocity + at(i), step()); }
   ConstColumn inverseMassOf(std::uint32_t i) const { return ConstColumn(inverseMass + at(i), step()); }
+  Column forceOf(std::uint32_t i) const { return Column(force + at(i), step()); }
 
  private:
   Eigen::InnerStride<> step() const { return Eigen::InnerStride<>(axisStride); }
@@ -69,7 +72,8 @@ struct PointView {
 };
 
 inline PointView viewOf(PointState& state) {
-  return {state.position.data(), state.velocity.data(), state.inverseMass.data(), 1, 3};
+  return {state.position.data(), state.velocity.data(),    state.inverseMass.data(), 1, 3,
+          state.force.data(),    state.earlierForce.data()};
 }
 
 // --- measures of a body ------------------------------------------------------------------------------------

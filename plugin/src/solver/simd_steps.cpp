@@ -13,7 +13,6 @@ namespace limber::kernel {
 // never called, see canStepSpringBatches()
 double stepSpringBatches(const SpringBatchBody&, double, int) { return 0.0; }
 void computeBatchForces(const SpringBatchBody&) {}
-double computeBatchForcesAndChange(const SpringBatchBody&) { return 0.0; }
 void kickSpringBatches(const SpringBatchBody&, double) {}
 void driftSpringBatches(const SpringBatchBody&, double) {}
 void dampSpringBatches(const SpringBatchBody&, bool, bool) {}
@@ -388,8 +387,13 @@ void unloadSpringBatches(SolverBody& body) {
 }
 
 PointView viewOf(SpringBatchArrays& springBatches) {
-  return {numbers(springBatches.position), numbers(springBatches.velocity),
-          numbers(springBatches.inverseMass), 1, 4};
+  return {numbers(springBatches.position),
+          numbers(springBatches.velocity),
+          numbers(springBatches.inverseMass),
+          1,
+          4,
+          numbers(springBatches.force),
+          numbers(springBatches.earlierForce)};
 }
 
 void stepSpringBatches(SolverBody& body, double tick, int substeps) {

@@ -251,9 +251,6 @@ double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps)
 }
 
 void computeBatchForces(const SpringBatchBody& body) { computeForces(SpringBatchPoints{body}); }
-double computeBatchForcesAndChange(const SpringBatchBody& body) {
-  return computeForcesAndChange(SpringBatchPoints{body});
-}
 void kickSpringBatches(const SpringBatchBody& body, double dt) { kick(SpringBatchPoints{body}, dt); }
 void driftSpringBatches(const SpringBatchBody& body, double dt) { drift(SpringBatchPoints{body}, dt); }
 void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward) {

@@ -69,15 +69,6 @@ void computeForces(BatchedBody& body) {
   computeElasticForces(*body.stepped);
 }
 
-/// Does the same as computeForcesAndChange() of verlet_kernel.h, without the forces of links.
-double computeForcesAndChange(BatchedBody& body) {
-  if (body.inBatches) return kernel::computeBatchForcesAndChange(body.springBatches);
-  PointState& p = *body.stepped->points;
-  p.earlierForce = p.force;
-  computeElasticForces(*body.stepped);
-  return (p.force - p.earlierForce).cwiseProduct(p.inverseMass).squaredNorm();
-}
-
 void kick(BatchedBody& body, double dt) {
   if (body.inBatches) return kernel::kickSpringBatches(body.springBatches, dt);
   kernel::kick(kernelPoints(*body.stepped->points), dt);
@@ -97,45 +88,58 @@ void damp(BatchedBody& body, bool whole, bool forward) {
 
 // --- islands -----------------------------------------------------------------------------------------------
 
-/// Sets the bodies with links to be stepped in their PointState, because links read and write points there.
-void markLinked(SolverIsland& group) {
-  const auto mark = [&](const LinkEnd& end) {
-    if (end.kind == LinkEnd::Kind::Point) group.inStep[end.body].inBatches = false;
-  };
-  for (const LinkSpring& spring : group.links.springs) mark(spring.a), mark(spring.b);
-  for (const LinkAnchor& anchor : group.links.anchors) mark(anchor.point), mark(anchor.pivot);
-}
-
+/// Decides where each body's state is in the step.
 void load(SolverIsland& group) {
-  group.inStep.resize(group.bodies.size());
-  group.views.resize(group.bodies.size());
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
-    SolverBody& body = group.bodies[i];
-    group.inStep[i] = {&body, body.springBatches && !(*body.springs)->limited, {}};
-  }
-  markLinked(group);
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
-    BatchedBody& body = group.inStep[i];
-    if (body.inBatches) body.springBatches = loadSpringBatches(*body.stepped, nullptr);
-    group.views[i] = body.inBatches ? viewOf(*body.stepped->springBatches) : viewOf(*body.stepped->points);
+  group.inStep.clear();
+  group.links.views.clear();
+  for (SolverBody& body : group.bodies) {
+    group.inStep.push_back({&body, body.springBatches && !(*body.springs)->limited, {}});
+    BatchedBody& stepped = group.inStep.back();
+    if (stepped.inBatches)
+      stepped.springBatches = loadSpringBatches(body, nullptr);
+    else
+      body.points->allocateForces();
+    group.links.views.push_back(stepped.inBatches ? viewOf(*body.springBatches) : viewOf(*body.points));
   }
 }
 
 void unload(SolverIsland& group) {
   for (BatchedBody& body : group.inStep)
     if (body.inBatches) unloadSpringBatches(*body.stepped);
+  group.links.views.clear();
 }
 
-void computeForces(SolverIsland& group, bool estimates, double dt) {
-  for (BatchedBody& body : group.inStep) {
-    if (!estimates) {
-      computeForces(body);
-      continue;
-    }
-    const double rate =
-        verletErrorRate(computeForcesAndChange(body), body.stepped->points->position.cols(), dt);
-    body.stepped->errorRate = std::max(body.stepped->errorRate, rate);
+void keepForces(SolverIsland& group) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    const PointView& p = group.links.views[i];
+    std::copy_n(p.force, p.pointStride * group.bodies[i].points->position.cols(), p.earlierForce);
   }
+}
+
+/// Returns the sum over the points of the squared change of acceleration since keepForces(), with the bits of
+/// computeForcesAndChange() of verlet_kernel.h.
+double squaredChange(const PointView& p, Eigen::Index points) {
+  double sum[3] = {};
+  for (Eigen::Index i = 0; i < points; ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Eigen::Index at = p.pointStride * i + c;
+      const double change = (p.force[at] - p.earlierForce[at]) * p.inverseMass[at];
+      sum[c] += change * change;
+    }
+  return sum[0] + (sum[1] + sum[2]);
+}
+
+void estimateErrors(SolverIsland& group, double dt) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    SolverBody& body = group.bodies[i];
+    const Eigen::Index points = body.points->position.cols();
+    const double rate = verletErrorRate(squaredChange(group.links.views[i], points), points, dt);
+    body.errorRate = std::max(body.errorRate, rate);
+  }
+}
+
+void computeForces(SolverIsland& group) {
+  for (BatchedBody& body : group.inStep) computeForces(body);
   for (RigidState& rigid : group.links.rigids) {
     rigid.force.setZero();
     rigid.torque.setZero();
@@ -161,28 +165,29 @@ void damp(SolverIsland& group, double dt, bool whole, bool forward) {
 
 void solvePositions(SolverIsland& group, double time, double dt) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    solvePositions(group.bodies[i], group.views[i], time, dt);
+    solvePositions(group.bodies[i], group.links.views[i], time, dt);
 }
 
 void applyDrag(SolverIsland& group, double dt) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) applyDrag(group.bodies[i], group.views[i], dt);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) applyDrag(group.bodies[i], group.links.views[i], dt);
 }
 
 void solveVelocities(SolverIsland& group) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) solveVelocities(group.bodies[i], group.views[i]);
+  for (std::size_t i = 0; i < group.bodies.size(); ++i)
+    solveVelocities(group.bodies[i], group.links.views[i]);
 }
 
 void prepare(SolverIsland& group) {
   load(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     group.bodies[i].errorRate = 0.0;
-    if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.views[i]);
+    if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.links.views[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
   for (LinkAnchor& anchor : group.links.anchors) anchor.impulse.setZero();
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
-  prepareConstraints(group.pairs, group.links, group.views);
+  prepareConstraints(group.pairs, group.links);
 }
 
 /// Repeats the search for contacts if it is due. Call it before each substep.
@@ -191,7 +196,7 @@ void searchAgain(SolverIsland& group, int substep, int substeps, double dt) {
   if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
   finishConstraints(group.pairs);
   again.search(again.context, group, dt * substep, dt * std::min(again.every, substeps - substep));
-  prepareConstraints(group.pairs, group.links, group.views);
+  prepareConstraints(group.pairs, group.links);
 }
 
 /// Implements stepVerlet() for bodies that links, contacts or joints couple. Their dampers and volume terms
@@ -199,7 +204,7 @@ void searchAgain(SolverIsland& group, int substep, int substeps, double dt) {
 void stepLinked(SolverIsland& group, double tick, int substeps) {
   const double dt = tick / substeps;
   prepare(group);
-  computeForces(group, false, dt);
+  computeForces(group);
   joinVelocities(group.links);
   damp(group, dt, false, false);
   for (int s = 0; s < substeps; ++s) {
@@ -211,7 +216,10 @@ void stepLinked(SolverIsland& group, double tick, int substeps) {
     solvePositions(group.pairs, group.links, dt, tick);
     updateGaps(group.pairs, dt);
     drift(group, dt);
-    computeForces(group, last || 2 * s == substeps, dt);
+    const bool estimates = last || 2 * s == substeps;
+    if (estimates) keepForces(group);
+    computeForces(group);
+    if (estimates) estimateErrors(group, dt);
     kick(group, 0.5 * dt);
     applyDrag(group, dt);
     // anchors and contacts first: a damper must not use the velocity of a point that the kick moves away from

@@ -85,7 +85,7 @@ struct PairSearch {
   int every = 0;  ///< number of substeps between searches; 0: no search
   void* context = nullptr;
   /// Updates group.pairs.contacts. `since` is the time (s) since the start of the tick, `ahead` the time
-  /// until the next search. The state of bodies[i] is at views[i].
+  /// until the next search. The state of bodies[i] is at links.views[i].
   void (*search)(void* context, SolverIsland& group, double since, double ahead) = nullptr;
 };
 
@@ -96,9 +96,7 @@ struct SolverIsland {
   IslandConstraints pairs;  ///< contacts and joints of these, and of the rigid bodies with their surroundings
   PairSearch again;
 
-  // Scratch of the step, #bodies.
-  std::vector<BatchedBody> inStep;
-  std::vector<PointView> views;  ///< the bodies' points during the step
+  std::vector<BatchedBody> inStep;  ///< scratch of the step, #bodies
 };
 
 /// Whether the island is one soft body without couplings to others and without elastic limits.
