@@ -339,9 +339,13 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
 
 // --- within a step -----------------------------------------------------------------------------------------
 
-/// Sets the surface to the present positions of the body and its motion of the coming `ahead` seconds.
-const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, double ahead) {
+/// Sets the surface to the positions of the body after this share of the tick, and its motion of the coming
+/// `ahead` seconds. A body has many candidates: the first of them fits the boxes for all.
+const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, double share, double ahead) {
   SurfaceData& s = body.surface;
+  const bool isInStep = s.moving.position == &s.positionInStep;
+  if (isInStep && s.shareInStep == share) return s.moving;
+  s.shareInStep = share;
   s.positionInStep.resize(3, s.motion.cols());
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     s.positionInStep.col(i) = points.positionOf(i);
@@ -373,9 +377,9 @@ void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, d
                         SurfaceSearch& s) {
   s.pairs.clear();
   s.sources.clear();
-  const MovingSurface& a = surfaceWithin(*m.body, *sides.a, ahead);
+  const MovingSurface& a = surfaceWithin(*m.body, *sides.a, sides.share, ahead);
   if (m.other && !isSelf(m))
-    surfaceWithin(*m.other, *sides.b, ahead);
+    surfaceWithin(*m.other, *sides.b, sides.share, ahead);
   else if (m.partner)
     movePart(*m.part, m.partner->getWorldTransform(), *sides.rigid, ahead);
   else if (m.held && isMoved(*m.held))
