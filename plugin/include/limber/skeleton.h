@@ -86,6 +86,7 @@ class Skeleton {
   static btVector3 stopOf(const Follower& follower, const std::vector<btTransform>& bones);
   Result<void> hold(Follower& follower, const std::vector<btTransform>& bones);
   Result<void> carry(const Follower& follower, const std::vector<btTransform>& bones, bool teleport);
+  Result<void> carryPin(const Follower& follower, bool teleport);
   Result<void> teleportBody(const std::vector<btVector3>& from);
   void removeSprings();
 

@@ -388,6 +388,16 @@ void keepBudget(LinkedGroup& group, double tick) {
   for (SoftBodyData* body : group.bodies) soften(*body, largest - links);
 }
 
+namespace {
+
+/// Measures the work of drag on bodies with an energy limit, or on all.
+void measureDrag(LinkedGroup& group, bool all) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i)
+    if (PointDrag* drag = group.step.bodies[i].drag) drag->measured = all || group.bodies[i]->energyLimit.on;
+}
+
+}  // namespace
+
 void chooseStepping(LinkedGroup& group, double tick) {
   SteppingProblem problem = problemOf(group, tick);
   setChoice(group, limber::chooseStepping(problem, group.stepping));
@@ -397,9 +407,7 @@ void chooseStepping(LinkedGroup& group, double tick) {
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
   startEnergyLimit(group, tick);
-  for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    if (PointDrag* drag = group.step.bodies[i].drag)
-      drag->measured = group.inIsland || group.bodies[i]->energyLimit.on;
+  measureDrag(group, false);
   // other bodies may move it farther than was predicted for the body alone
   const bool together = group.inIsland || !isPlain(group.step);
   for (SoftBodyData* body : group.bodies) {
@@ -409,8 +417,9 @@ void chooseStepping(LinkedGroup& group, double tick) {
   }
 }
 
-void limitIslandEnergy(LinkedGroup& group, bool alone) {
+void limitIslandEnergy(LinkedGroup& group, bool alone, bool joined) {
   guard(group, alone && group.stepping.maxSubsteps > 0 && isFreeBody(group), false);
+  measureDrag(group, joined);
 }
 
 // --- groups in SIMD lanes ----------------------------------------------------------------------------------

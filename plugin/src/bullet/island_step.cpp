@@ -323,7 +323,8 @@ bool isAlone(const Island& island) {
 
 void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search,
                 std::mutex& lock) {
-  for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, isAlone(island));
+  const bool joined = !island.joints.empty();
+  for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, isAlone(island), joined);
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&island, &found, &search, &lock};
@@ -340,7 +341,6 @@ void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceS
   scaleWarmStart(island.step.pairs, substeps);
   island.step.pairs.tolerance = speedTolerance(island.step, tick);
   if (island.softBodies.empty()) limitRecoverySpeed(island.step.pairs, tick);
-  const bool joined = !island.joints.empty();
   island.start.clear();
   if (joined) island.start = island.step.links.rigids;
   const double before = joined ? energyOf(island.step) : 0.0;

@@ -228,17 +228,24 @@ Result<void> Skeleton::moveTo(const std::vector<btTransform>& bones, bool telepo
   }
   if (teleport && !followers_.empty())
     if (Result<void> moved = teleportBody(from); !moved) return moved;
+  body_->wake();
   for (const Follower& follower : followers_)
     if (Result<void> moved = carry(follower, bones, teleport); !moved) return moved;
-  body_->wake();
+  return {};
+}
+
+/// movePin() would wake the body with all its points for each pin; moveTo() does so once.
+Result<void> Skeleton::carryPin(const Follower& follower, bool teleport) {
+  if (teleport) return body_->teleportPin(follower.point, follower.place);
+  if (!body_->alive() || !body_->pinned(follower.point))
+    return body_->movePin(follower.point, follower.place);
+  body_->point(follower.point)->getWorldTransform().setOrigin(follower.place);
   return {};
 }
 
 /// Moves the pin, or the springs' ends, to the place.
 Result<void> Skeleton::carry(const Follower& follower, const std::vector<btTransform>& bones, bool teleport) {
-  if (follower.maxDistance == btScalar(0))
-    return teleport ? body_->teleportPin(follower.point, follower.place)
-                    : body_->movePin(follower.point, follower.place);
+  if (follower.maxDistance == btScalar(0)) return carryPin(follower, teleport);
   const auto move = [&](const Handle<SpringConstraint>& spring, const btVector3& end) -> Result<void> {
     if (!spring) return {};
     if (teleport) return system_->moveSpring(spring.get(), end);
