@@ -455,7 +455,7 @@ bool startSolve(IslandConstraints& rows, LinkedBodies& bodies) {
     for (int k = 0; k < 3; ++k)
       Eigen::Map<Vector3d>(rotation.response[k]) =
           rotation.inverseFactor * (rotation.body->inverseInertia * ConstMap(rotation.speeds[k]));
-  updateAnchorMasses(bodies);
+  updateAnchors(bodies);
   return !rows.empty() || !bodies.anchors.empty();
 }
 

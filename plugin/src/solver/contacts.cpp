@@ -42,11 +42,8 @@ constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
 /// cancel each push in the next sweep.
 void findAnchored(IslandConstraints& rows, const LinkedBodies& bodies) {
   rows.anchored.clear();
-  for (const LinkAnchor& anchor : bodies.anchors) {
-    const RigidState& rigid = bodies.rigids[anchor.pivot.body];
-    const bool held = rigid.inverseMass.isZero(0.0) && rigid.inverseInertia.isZero(0.0);
-    if (held) rows.anchored.emplace_back(anchor.point.body, anchor.point.point);
-  }
+  for (const LinkAnchor& anchor : bodies.anchors)
+    if (anchor.held) rows.anchored.emplace_back(anchor.point.body, anchor.point.point);
   std::sort(rows.anchored.begin(), rows.anchored.end());
 }
 

@@ -247,9 +247,21 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies) {
   return bound;
 }
 
-void updateAnchorMasses(LinkedBodies& bodies) {
+void prepareAnchors(LinkedBodies& bodies) {
+  for (LinkAnchor& anchor : bodies.anchors) {
+    const RigidState& rigid = bodies.rigids[anchor.pivot.body];
+    anchor.held = rigid.inverseMass.isZero(0.0) && rigid.inverseInertia.isZero(0.0);
+    if (anchor.held) anchor.mass = inverseMobility(mobility(bodies, anchor.point));
+    anchor.impulse.setZero();
+  }
+}
+
+void updateAnchors(LinkedBodies& bodies) {
   for (LinkAnchor& anchor : bodies.anchors)
-    anchor.mass = inverseMobility(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
+    if (anchor.held)
+      anchor.speed = endVelocity(bodies, anchor.pivot);
+    else
+      anchor.mass = inverseMobility(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
 }
 
 void aimAnchors(LinkedBodies& bodies, double dt, double tick) {
@@ -260,22 +272,26 @@ void aimAnchors(LinkedBodies& bodies, double dt, double tick) {
     // a held body follows its prescribed motion, and the point follows the body
     const bool held = bodies.rigids[anchor.pivot.body].inverseMass.isZero(0.0);
     anchor.apart = (1.0 - (held ? 1.0 : std::min(share, kRecoveryPerSubstep))) * error;
+    if (anchor.held) anchor.drifted = driftedPosition(bodies, anchor.pivot, dt);
   }
 }
 
 Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
-  if (dt == 0.0) return endVelocity(bodies, anchor.point) - endVelocity(bodies, anchor.pivot);
-  const Vector3d end = driftedPosition(bodies, anchor.point, dt) - driftedPosition(bodies, anchor.pivot, dt);
+  if (dt == 0.0)
+    return endVelocity(bodies, anchor.point) -
+           (anchor.held ? anchor.speed : endVelocity(bodies, anchor.pivot));
+  const Vector3d end = driftedPosition(bodies, anchor.point, dt) -
+                       (anchor.held ? anchor.drifted : driftedPosition(bodies, anchor.pivot, dt));
   return (end - anchor.apart) / dt;
 }
 
 void applyImpulse(LinkedBodies& bodies, const LinkAnchor& anchor, const Vector3d& impulse) {
   applyImpulse(bodies, anchor.point, impulse);
-  applyImpulse(bodies, anchor.pivot, -impulse);
+  if (!anchor.held) applyImpulse(bodies, anchor.pivot, -impulse);
 }
 
 void joinVelocities(LinkedBodies& bodies) {
-  updateAnchorMasses(bodies);
+  updateAnchors(bodies);
   for (int sweep = 0; sweep < kAnchorSweeps && !bodies.anchors.empty(); ++sweep) {
     double largest = 0.0;
     for (const LinkAnchor& anchor : bodies.anchors) {

@@ -93,6 +93,9 @@ struct LinkAnchor {
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on the point, sum over the tick
   Eigen::Vector3d apart = Eigen::Vector3d::Zero();    ///< m, target offset of the point from the pivot
   Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();     ///< kg, impulse on the point per velocity
+  bool held = false;                                  ///< no impulse moves the rigid body
+  Eigen::Vector3d drifted = Eigen::Vector3d::Zero();  ///< m, of a held pivot after the drift
+  Eigen::Vector3d speed = Eigen::Vector3d::Zero();    ///< m/s, of a held pivot
   Eigen::Vector3d direction = Eigen::Vector3d::Zero(), change = Eigen::Vector3d::Zero();  ///< scratch
 };
 
@@ -127,8 +130,12 @@ void dampLinks(LinkedBodies& bodies, double dt, bool forward);
 /// with the inverse mass of a rigid body at a pivot, 1/m + |r|^2 / smallest inertia).
 double linkFrequencyBoundSquared(LinkedBodies& bodies);
 
-/// Updates the anchors' masses to the present rotation of the rigid bodies.
-void updateAnchorMasses(LinkedBodies& bodies);
+/// Finds the anchors on bodies that no impulse moves, computes their masses and clears the impulses of all.
+/// Call it before a step.
+void prepareAnchors(LinkedBodies& bodies);
+
+/// Updates the anchors to the present rotation of the rigid bodies: the masses, or the speeds of held pivots.
+void updateAnchors(LinkedBodies& bodies);
 
 /// Sets the target error of each anchor after a drift of `dt` in a tick of length `tick` (s). Errors are
 /// removed slowly: Bullet moves a body once a tick, and removing that displacement in one substep would

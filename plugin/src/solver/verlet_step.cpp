@@ -184,7 +184,7 @@ void prepare(SolverIsland& group) {
     if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.links.views[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
-  for (LinkAnchor& anchor : group.links.anchors) anchor.impulse.setZero();
+  prepareAnchors(group.links);
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
   prepareConstraints(group.pairs, group.links);
