@@ -214,6 +214,8 @@ void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
     else
       dampInTurn(p.b, 4 * g, factors[g], forward);
   }
+  // GCC leaves it out after a last batch in turn, and all code that follows in SSE becomes slower
+  _mm256_zeroupper();
 }
 
 void kick(const SpringBatchPoints& p, double dt) {
