@@ -24,7 +24,9 @@ constexpr ActionInfo kActions[] = {
     {Action::Shoot, "shoot", false, 6},   {Action::Cut, "cut", false, 9},
     {Action::Pin, "pin", false, 6},       {Action::Set, "set", true, 1},
     {Action::Show, "show", true, 1},      {Action::Restart, "restart", false, 0},
-    {Action::Scene, "scene", true, 0}};
+    {Action::Scene, "scene", true, 0},    {Action::Pause, "pause", false, 1},
+    {Action::Tick, "tick", false, 0},     {Action::Speed, "speed", false, 1},
+    {Action::Wait, "wait", false, 1}};
 
 const ActionInfo& infoOf(Action action) {
   return *std::find_if(std::begin(kActions), std::end(kActions),
@@ -49,18 +51,25 @@ Result<double> parseFinite(const std::string& text) {
   return value;
 }
 
-/// Returns the reason why the word or its value does not suit the action, or an empty string.
-std::string wordProblem(const Command& command) {
+/// Returns the reason why a number is not from `low` to `high`, or an empty string.
+std::string rangeProblem(const std::string& name, double value, double low, double high) {
+  if (value >= low && value <= high) return {};
+  std::ostringstream reason;
+  reason << name << " is " << value << ", must be from " << low << " to " << high;
+  return reason.str();
+}
+
+/// Returns the reason why the word or a number does not suit the action, or an empty string.
+std::string valueProblem(const Command& command) {
+  constexpr double kSlowest = 1e-3, kLongest = 1e9;
+  if (command.action == Action::Speed) return rangeProblem("speed", command.numbers[0], kSlowest, 1.0);
+  if (command.action == Action::Wait) return rangeProblem("wait", command.numbers[0], 1.0, kLongest);
   if (command.action == Action::Show && !hasName(layerList(), command.word))
     return "there is no layer " + command.word;
   if (command.action != Action::Set) return {};
   for (const SettingInfo& info : settingList()) {
     if (command.word != info.name) continue;
-    const double value = command.numbers[0];
-    if (value >= info.low && value <= info.high) return {};
-    std::ostringstream reason;
-    reason << info.name << " is " << value << ", must be from " << info.low << " to " << info.high;
-    return reason.str();
+    return rangeProblem(info.name, command.numbers[0], info.low, info.high);
   }
   return "there is no setting " + command.word;
 }
@@ -95,7 +104,7 @@ Result<Command> parseCommand(const std::string& text) {
   if (command.numbers.size() != info->numbers)
     return Error{name + " has " + std::to_string(info->numbers) + " numbers, not " +
                  std::to_string(command.numbers.size())};
-  if (const std::string reason = wordProblem(command); !reason.empty()) return Error{reason};
+  if (const std::string reason = valueProblem(command); !reason.empty()) return Error{reason};
   return command;
 }
 

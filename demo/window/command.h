@@ -24,7 +24,11 @@ enum class Action {
   Set,      ///< name and value of a setting
   Show,     ///< name of a layer and 1 or 0
   Restart,  ///< the scene again, with the present settings
-  Scene     ///< another scene
+  Scene,    ///< another scene
+  Pause,    ///< 1, or 0: goes on
+  Tick,     ///< one tick while paused
+  Speed,    ///< simulated seconds a second, up to 1
+  Wait      ///< 1/60 s of a pause that have passed; changes nothing
 };
 
 struct Command {

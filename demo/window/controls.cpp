@@ -97,13 +97,13 @@ void Controls::press(char key) {
   }
   switch (key) {
     case ' ':
-      pace_.paused = !pace_.paused;
+      session_.perform({Action::Pause, {session_.pace().paused ? 0.0 : 1.0}, {}});
       break;
     case '.':
-      pace_.step();
+      session_.perform(plain(Action::Tick));
       break;
     case 'M':
-      pace_.speed = slowerThan(pace_.speed);
+      session_.perform({Action::Speed, {slowerThan(session_.pace().speed)}, {}});
       break;
     case 'R':
       session_.perform(plain(Action::Restart));

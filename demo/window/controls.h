@@ -2,7 +2,6 @@
 #pragma once
 
 #include "window/orbit_camera.h"
-#include "window/pace.h"
 #include "window/session.h"
 
 #include <array>
@@ -31,8 +30,7 @@ const std::array<KeyInfo, kKeyCount>& keyList();
 /// Makes commands from mouse and keyboard. It knows no window, so tests can play with it.
 class Controls {
  public:
-  Controls(Session& session, Pace& pace, const WindowSize& size)
-      : session_(session), pace_(pace), size_(size) {}
+  Controls(Session& session, const WindowSize& size) : session_(session), size_(size) {}
 
   void resize(const WindowSize& size) { size_ = size; }
 
@@ -58,7 +56,6 @@ class Controls {
   void cut();
 
   Session& session_;
-  Pace& pace_;
   WindowSize size_;
   Drag drag_ = Drag::None;
   Button button_ = Button::Left;  // that drags

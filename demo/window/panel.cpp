@@ -20,7 +20,8 @@ constexpr ImU32 kPartColours[kTickParts] = {IM_COL32(229, 115, 72, 255), IM_COL3
 constexpr ImU32 kEnergyColours[3] = {IM_COL32(229, 115, 72, 255), IM_COL32(94, 155, 214, 255),
                                      IM_COL32(190, 190, 120, 255)};
 
-void drawPlayback(Session& session, Pace& pace, Controls& controls) {
+void drawPlayback(Session& session, Controls& controls) {
+  const Pace& pace = session.pace();
   if (ImGui::Button(pace.paused ? "play" : "pause")) controls.press(' ');
   ImGui::SameLine();
   if (ImGui::Button("tick")) controls.press('.');
@@ -194,13 +195,13 @@ void Panel::drawSettings(Session& session) {
   ImGui::PopItemWidth();
 }
 
-void Panel::draw(Session& session, Pace& pace, Controls& controls, const History& history,
-                 const FrameFigures& figures, bool interactive) {
+void Panel::draw(Session& session, Controls& controls, const History& history, const FrameFigures& figures,
+                 bool interactive) {
   ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({kPanelWidth, 0.0f}, ImGuiCond_Always);
   if (ImGui::Begin("Limber", nullptr, ImGuiWindowFlags_NoResize)) {
     ImGui::BeginDisabled(!interactive);
-    drawPlayback(session, pace, controls);
+    drawPlayback(session, controls);
     drawFigures(session, history, figures);
     if (ImGui::CollapsingHeader("settings", ImGuiTreeNodeFlags_DefaultOpen)) drawSettings(session);
     if (ImGui::CollapsingHeader("show", ImGuiTreeNodeFlags_DefaultOpen)) drawLayers(session);

@@ -3,7 +3,6 @@
 
 #include "window/controls.h"
 #include "window/history.h"
-#include "window/pace.h"
 #include "window/session.h"
 
 #include <string>
@@ -26,8 +25,8 @@ struct SliderPlace {
 /// Draws the panel of ImGui. Between ImGui::NewFrame() and ImGui::Render().
 class Panel {
  public:
-  void draw(Session& session, Pace& pace, Controls& controls, const History& history,
-            const FrameFigures& figures, bool interactive);
+  void draw(Session& session, Controls& controls, const History& history, const FrameFigures& figures,
+            bool interactive);
   /// Returns where the sliders are, if that has changed since the last call.
   std::vector<SliderPlace> takeMovedSliders();
   /// Shows a line, until the next one.

@@ -250,13 +250,37 @@ bool LineFile::write(const std::string& lines) {
 
 // --- playing -----------------------------------------------------------------------------------------------
 
+/// Performs the next command before the next tick. Returns false if there is none.
+bool Replay::performOne(Session& session) {
+  const std::vector<RecordedCommand>& commands = recording_.commands;
+  if (nextCommand_ >= commands.size() || commands[nextCommand_].tick > session.ticks()) return false;
+  const Command& command = commands[nextCommand_++].command;
+  session.perform(command);
+  if (command.action == Action::Wait) waits_ = static_cast<std::int64_t>(command.numbers[0]);
+  return true;
+}
+
 bool Replay::prepare(Session& session) {
   compare(session, false);
-  const std::vector<RecordedCommand>& commands = recording_.commands;
-  while (nextCommand_ < commands.size() && commands[nextCommand_].tick <= session.ticks())
-    session.perform(commands[nextCommand_++].command);
+  while (performOne(session)) {
+  }
   compare(session, true);
   return session.ticks() < recording_.ticks();
+}
+
+ReplayStep Replay::nextFrame(Session& session) {
+  compare(session, false);
+  while (waits_ == 0 && performOne(session)) {
+  }
+  if (waits_ > 0) {
+    --waits_;
+    return ReplayStep::Wait;
+  }
+  const bool ended = session.ticks() >= recording_.ticks();
+  const bool slow = !session.pace().paused && session.pace().speed < 1.0;
+  if (!ended && slow && session.ticksDue(1.0 / double(scenes::kTicksPerSecond)) == 0) return ReplayStep::Wait;
+  compare(session, true);
+  return ended ? ReplayStep::End : ReplayStep::Tick;
 }
 
 void Replay::compare(const Session& session, bool end) {

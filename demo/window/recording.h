@@ -39,6 +39,7 @@ constexpr std::int64_t kStateTicks = 30;
 ///     12 grab 0 2 6 0.1 -0.2 -0.97
 ///     60 end 1f2e3d4c5b6a7988
 ///
+/// "wait 45" stands for 45/60 s of a pause before the next command; without a window it counts for nothing.
 /// First the scene and its options, which have the names of the command line without dashes, then the
 /// commands behind the number of ticks before them. Empty lines and lines that begin with # count for
 /// nothing. A run that was killed has no end; the rest can be replayed.
@@ -83,6 +84,9 @@ class LineFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
+/// What a frame of a replay does.
+enum class ReplayStep { Tick, Wait, End };
+
 /// Plays a recording, one tick at a time.
 class Replay {
  public:
@@ -91,13 +95,17 @@ class Replay {
   /// Compares the state and performs the commands before the next tick. Returns false at the end of the
   /// recording.
   bool prepare(Session& session);
+  /// The same for a frame of 1/60 s in a window: pauses and slow motion take their time.
+  ReplayStep nextFrame(Session& session);
   /// Returns the first state that was not the recorded one, in words, or an empty string.
   const std::string& problem() const { return problem_; }
 
  private:
   void compare(const Session& session, bool end);
+  bool performOne(Session& session);
 
   Recording recording_;
+  std::int64_t waits_ = 0;  // frames of a pause that are still to be shown
   std::size_t nextCommand_ = 0, nextState_ = 0;
   std::string problem_;
 };

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <optional>
@@ -66,11 +67,13 @@ class Play {
   void logLine(const char* format, ...) __attribute__((format(printf, 2, 3)));
   void listen();
   void record(const std::string& line);
+  void recordWait();
   void frame();
   void measure(double seconds);
   void advance(double seconds);
   void tick();
-  void draw();
+  double tickFraction() const;
+  void draw(double fraction);
   void drawCutLine() const;
   void waitForNextFrame();
   void logFrame();
@@ -88,7 +91,6 @@ class Play {
   Window window_;  // is destroyed after stage_
   Stage stage_;
   std::optional<LineFile> record_, log_;
-  Pace pace_;
   Controls controls_;
   Panel panel_;
   History history_;
@@ -96,6 +98,7 @@ class Play {
   Clock::time_point start_, frameStart_;  // of the first frame, of the present one
   std::int64_t frames_ = 0;
   int sceneNumber_ = 0;  // that history_ is of
+  double waited_ = 0.0;  // 1/60 s, of the present pause, since the last command
   bool wasPaused_ = false;
   bool replayed_ = false;  // the recording has been played to its end
 };
@@ -108,7 +111,7 @@ Play::Play(const DemoOptions& options)
       stage_(Window::functionAddress, window_.framebufferSize()),
       record_(openLines(options.window.record)),
       log_(openLines(options.window.log)),
-      controls_(*session_, pace_, window_.size()) {
+      controls_(*session_, window_.size()) {
   if (recording_) replay_.emplace(*recording_);
   record(headerOf(session_->choice(), window_.size()));
   listen();
@@ -127,6 +130,7 @@ void Play::logLine(const char* format, ...) {
 
 void Play::listen() {
   session_->setListener([this](const Command& command, const std::string& outcome) {
+    recordWait();
     record(lineOf(RecordedCommand{session_->ticks(), command}));
     if (!outcome.empty()) panel_.setMessage(outcome);
     logLine("tick %lld: %s%s%s", ticks(), textOf(command).c_str(), outcome.empty() ? "" : ": ",
@@ -137,6 +141,13 @@ void Play::listen() {
 void Play::record(const std::string& line) {
   if (record_ && !record_->write(line))
     throw std::runtime_error("cannot write " + options_.window.record + ": the disk may be full");
+}
+
+/// Records how long the user has looked at a pause, for replays in a window.
+void Play::recordWait() {
+  const double frames = std::round(waited_);
+  waited_ = 0.0;
+  if (frames >= 1.0) record(lineOf(RecordedCommand{session_->ticks(), {Action::Wait, {frames}, {}}}));
 }
 
 ExitCode Play::run() {
@@ -165,9 +176,9 @@ void Play::frame() {
   measure(seconds);
   window_.beginFrame(controls_, !replay_);
   advance(seconds);
-  draw();
+  draw(tickFraction());
   window_.show();
-  if (frames_ % kTitleFrames == 0 || pace_.paused) window_.setTitle(titleOf(*session_, pace_));
+  if (frames_ % kTitleFrames == 0 || session_->pace().paused) window_.setTitle(titleOf(*session_));
   logFrame();
   waitForNextFrame();
 }
@@ -181,12 +192,13 @@ void Play::measure(double seconds) {
 
 void Play::advance(double seconds) {
   if (!replay_) {
-    for (int due = pace_.ticksDue(seconds); due > 0; --due) tick();
-  } else if (replay_->prepare(*session_)) {
-    tick();
-  } else {
-    replayed_ = true;
+    if (session_->pace().paused) waited_ += seconds * double(scenes::kTicksPerSecond);
+    for (int due = session_->ticksDue(seconds); due > 0; --due) tick();
+    return;
   }
+  const ReplayStep step = replay_->nextFrame(*session_);
+  if (step == ReplayStep::Tick) tick();
+  replayed_ = step == ReplayStep::End;
 }
 
 void Play::tick() {
@@ -197,12 +209,18 @@ void Play::tick() {
   history_.add(sampleOf(times, session_->shows(Layer::Panel) ? session_->energy() : Energy{}));
 }
 
+/// A replay has a tick in every frame, except in slow motion.
+double Play::tickFraction() const {
+  const Pace& pace = session_->pace();
+  return replay_ && pace.speed == 1.0 ? 1.0 : pace.tickFraction();
+}
+
 /// Draws the scene and the panel; the window does not show them yet.
-void Play::draw() {
+void Play::draw(double fraction) {
   const Clock::time_point start = Clock::now();
-  if (session_->shows(Layer::Panel)) panel_.draw(*session_, pace_, controls_, history_, figures_, !replay_);
+  if (session_->shows(Layer::Panel)) panel_.draw(*session_, controls_, history_, figures_, !replay_);
   drawCutLine();
-  stage_.draw(*session_, replay_ ? 1.0 : pace_.tickFraction(), window_.framebufferSize());
+  stage_.draw(*session_, fraction, window_.framebufferSize());
   window_.drawPanel();
   figures_.drawMs += 0.05 * (1000.0 * secondsBetween(start, Clock::now()) - figures_.drawMs);
 }
@@ -228,8 +246,9 @@ void Play::logFrame() {
   for (const SliderPlace& slider : panel_.takeMovedSliders())
     logLine("slider %s at %.0f %.0f, %.0f x %.0f", slider.name.c_str(), slider.x, slider.y, slider.width,
             slider.height);
-  if (pace_.paused != wasPaused_) logLine("tick %lld: %s", ticks(), pace_.paused ? "paused" : "goes on");
-  wasPaused_ = pace_.paused;
+  const bool paused = session_->pace().paused;
+  if (paused != wasPaused_) logLine("tick %lld: %s", ticks(), paused ? "paused" : "goes on");
+  wasPaused_ = paused;
   if (session_->hand().holds()) logHand();
   if (frames_ % kLoggedFrames == 0) logStatus();
 }
@@ -255,6 +274,7 @@ void Play::logStatus() {
 // --- the end -----------------------------------------------------------------------------------------------
 
 ExitCode Play::finish() {
+  recordWait();
   const std::string end = lineOf(stateOf(*session_, true));
   record(end);
   if (!options_.window.picture.empty()) writePicture();
@@ -270,7 +290,7 @@ ExitCode Play::finish() {
 
 void Play::writePicture() {
   window_.beginFrame(controls_, false);
-  draw();
+  draw(1.0);
   render::writePng(options_.window.picture, stage_.readWindow(window_.framebufferSize()));
 }
 

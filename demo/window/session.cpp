@@ -149,9 +149,20 @@ std::string Session::act(const Command& command) {
     case Action::Restart:
       return restart();
     case Action::Scene:
+      return nextScene(command.word);
+    case Action::Pause:
+      pace_.paused = command.numbers[0] != 0.0;
+      return {};
+    case Action::Tick:
+      pace_.step();
+      return {};
+    case Action::Speed:
+      pace_.speed = command.numbers[0];
+      return {};
+    case Action::Wait:
       break;
   }
-  return nextScene(command.word);
+  return {};
 }
 
 scenes::TickTimes Session::tick() {

@@ -4,6 +4,7 @@
 #include "scenes/scene.h"
 #include "window/command.h"
 #include "window/orbit_camera.h"
+#include "window/pace.h"
 #include "window/picking.h"
 
 #include <array>
@@ -41,8 +42,10 @@ class Session {
 
   /// Performs a command. Returns what came of it in words: "body 3 point 0", "nothing there".
   std::string perform(const Command& command);
-  /// Steps the world by 1/60 s.
+  /// Steps the world by 1/60 s, also while paused.
   scenes::TickTimes tick();
+  /// Returns the number of ticks of a frame after so many seconds, see Pace.
+  int ticksDue(double seconds) { return pace_.ticksDue(seconds); }
 
   scenes::Scene& scene() { return *scene_; }
   const scenes::Scene& scene() const { return *scene_; }
@@ -54,6 +57,7 @@ class Session {
   bool shows(Layer layer) const { return layers_[static_cast<std::size_t>(layer)]; }
   const OrbitCamera& camera() const { return camera_; }
   const Hand& hand() const { return hand_; }
+  const Pace& pace() const { return pace_; }
   std::int64_t ticks() const { return ticks_; }  ///< of all scenes so far
   Energy energy() const;
 
@@ -80,6 +84,7 @@ class Session {
   Settings start_, settings_;           // of the scene, and at present
   std::array<bool, kLayerCount> layers_{};
   OrbitCamera camera_;
+  Pace pace_;
   Hand hand_;  // is destroyed before the scene
   std::int64_t ticks_ = 0;
   int sceneNumber_ = 0;

@@ -55,7 +55,8 @@ void addCamera(std::ostream& out, const OrbitCamera& camera) {
 
 }  // namespace
 
-std::string titleOf(const Session& session, const Pace& pace) {
+std::string titleOf(const Session& session) {
+  const Pace& pace = session.pace();
   std::ostringstream out;
   out.precision(4);
   out << "limber-demo --window";

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "window/pace.h"
 #include "window/session.h"
 
 #include <string>
@@ -10,6 +9,6 @@ namespace limber::demo {
 
 /// Returns the command line that opens a window with the scene, settings, layers and camera of this one, and
 /// behind it the tick, so that a screenshot tells how to get there.
-std::string titleOf(const Session& session, const Pace& pace);
+std::string titleOf(const Session& session);
 
 }  // namespace limber::demo

@@ -32,6 +32,8 @@ TEST(Command, wrongOnesAreRefusedWithTheReason) {
   EXPECT_EQ(parseCommand("set gravity 31").error(), "gravity is 31, must be from 0 to 30");
   EXPECT_EQ(parseCommand("show ghosts 1").error(), "there is no layer ghosts");
   EXPECT_EQ(parseCommand("release 1").error(), "release has 0 numbers, not 1");
+  EXPECT_EQ(parseCommand("speed 2").error(), "speed is 2, must be from 0.001 to 1");
+  EXPECT_EQ(parseCommand("wait 0").error(), "wait is 0, must be from 1 to 1e+09");
 }
 
 TEST(Recording, isReadAsItWasWritten) {
@@ -109,6 +111,28 @@ TEST(Recording, replaysEndInTheSameStateAndTellWhereAnotherBegins) {
   recording->states = {{30, 1, false}, {60, hash, true}};
   played(*recording, problem);
   EXPECT_EQ(problem, "after 30 ticks the bodies are in another state than the recorded one");
+}
+
+// The user pauses after tick 2 for 3 frames, makes one tick, waits 2 frames, and goes on in slow motion.
+const std::string kPauses =
+    "2 pause 1\n2 wait 3\n2 set stiffness 2\n2 tick\n3 wait 2\n3 speed 0.25\n3 pause 0\n5 release\n";
+
+TEST(Recording, pausesAndSlowMotionTakeTheirTimeInTheWindow) {
+  const Result<Recording> recording = parseRecording(kHead + kPauses, "a.rec");
+  ASSERT_TRUE(recording) << recording.error();
+  Result<std::unique_ptr<Session>> session = Session::create(recording->choice, recording->size);
+  ASSERT_TRUE(session) << session.error();
+  Replay replay(*recording);
+  std::string frames;  // t: a tick, w: waits
+  for (ReplayStep step; (step = replay.nextFrame(**session)) != ReplayStep::End;) {
+    frames += step == ReplayStep::Tick ? 't' : 'w';
+    if (step == ReplayStep::Tick) (*session)->tick();
+  }
+  EXPECT_EQ(frames, "ttwwwtwwtwwt");
+  EXPECT_FALSE((*session)->pace().paused);
+  EXPECT_EQ((*session)->pace().speed, 0.25);
+  std::string problem;
+  EXPECT_EQ(stateOf(**session, true).hash, played(*recording, problem));
 }
 
 TEST(LineFile, unwritableOnesAreRefusedByName) {

@@ -143,9 +143,8 @@ TEST(Session, titleIsTheCommandLineOfTheScene) {
   session->perform({Action::Show, {1.0}, "strain"});
   session->perform({Action::Show, {1.0}, "boxes"});
   ticks(*session, 2);
-  Pace pace;
-  pace.paused = true;
-  const std::string title = titleOf(*session, pace);
+  session->perform({Action::Pause, {1.0}, {}});
+  const std::string title = titleOf(*session);
   EXPECT_EQ(title.rfind("limber-demo --window --scene cubes --count 3 --set stiffness=2.5 --mode wireframe "
                         "--overlay boxes --camera ",
                         0),
@@ -156,8 +155,7 @@ TEST(Session, titleIsTheCommandLineOfTheScene) {
 
 TEST(Controls, theMousePullsBodiesAndElseOrbits) {
   const auto session = sessionOf("cubes");
-  Pace pace;
-  Controls controls(*session, pace, kSize);
+  Controls controls(*session, kSize);
   const Pixel cube = *session->camera().pixelOf(centreOf(*session), kSize);
   controls.move(cube);
   controls.press(Button::Left, {});
@@ -176,8 +174,7 @@ TEST(Controls, theMousePullsBodiesAndElseOrbits) {
 
 TEST(Controls, aDragWithControlDrawsALineAndCutsAtItsEnd) {
   const auto session = sessionOf("cloth", 0);
-  Pace pace;
-  Controls controls(*session, pace, kSize);
+  Controls controls(*session, kSize);
   std::string done;
   session->setListener([&done](const Command& command, const std::string&) { done += textOf(command)[0]; });
   controls.move({100, 100});
@@ -193,17 +190,18 @@ TEST(Controls, aDragWithControlDrawsALineAndCutsAtItsEnd) {
 
 TEST(Controls, keysOfLayersAndOfThePace) {
   const auto session = sessionOf("cubes");
-  Pace pace;
-  Controls controls(*session, pace, kSize);
+  Controls controls(*session, kSize);
   controls.press('2');
   EXPECT_TRUE(session->shows(Layer::Contacts));
   controls.press('2');
   EXPECT_FALSE(session->shows(Layer::Contacts));
   controls.press(' ');
-  EXPECT_TRUE(pace.paused);
+  EXPECT_TRUE(session->pace().paused);
   controls.press('.');
-  EXPECT_EQ(pace.ticksDue(10.0), 1);
-  EXPECT_EQ(pace.ticksDue(10.0), 0);
+  EXPECT_EQ(session->ticksDue(10.0), 1);
+  EXPECT_EQ(session->ticksDue(10.0), 0);
+  controls.press('M');
+  EXPECT_EQ(session->pace().speed, 0.25);
   EXPECT_FALSE(controls.wantsToQuit());
   controls.press(kEscape);
   EXPECT_TRUE(controls.wantsToQuit());
@@ -211,8 +209,7 @@ TEST(Controls, keysOfLayersAndOfThePace) {
 
 TEST(Controls, nextSceneGoesThroughAllButTheMesh) {
   const auto session = sessionOf("skeleton", 0);
-  Pace pace;
-  Controls controls(*session, pace, kSize);
+  Controls controls(*session, kSize);
   controls.press('N');
   EXPECT_EQ(session->choice().name, "cubes");
   controls.press('N');
