@@ -98,7 +98,7 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--camera", line.camera, "auto (default), orbit, or EYEX,EYEY,EYEZ,ATX,ATY,ATZ in metres")
       ->check(choice(parseCamera, o.camera, "CAMERA"));
   app.add_option("--overlay", line.overlay,
-                 "draw contacts, velocities, boxes, constraints: some, with commas")
+                 "draw contacts, velocities, boxes, constraints, islands: some, with commas")
       ->check(choice(parseOverlay, o.overlay, "LIST"));
   app.add_option("--context", line.context,
                  "what draws: auto (a GPU if there is one), osmesa, egl, egl:N or surfaceless")
@@ -264,8 +264,10 @@ std::string parseOverlay(const std::string& text, OverlayChoice& choice) {
       choice.boxes = true;
     else if (part == "constraints")
       choice.constraints = true;
+    else if (part == "islands")
+      choice.islands = true;
     else
-      return "\"" + part + "\" is not one of contacts, velocities, boxes, constraints";
+      return "\"" + part + "\" is not one of contacts, velocities, boxes, constraints, islands";
   }
   return text.empty() ? "nothing is asked for: say none" : std::string();
 }

@@ -26,9 +26,9 @@ struct CameraChoice {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero();  ///< m, if Fixed
 };
 
-/// Lines drawn over the pictures.
+/// Lines drawn over the pictures; islands are colours of the bodies.
 struct OverlayChoice {
-  bool contacts = false, velocities = false, boxes = false, constraints = false;
+  bool contacts = false, velocities = false, boxes = false, constraints = false, islands = false;
 };
 
 /// The interactive window.
@@ -73,7 +73,7 @@ ParsedOptions parseOptions(int argc, char** argv);
 /// auto, orbit, or six numbers with commas: position of the eye and of its target.
 std::string parseCamera(const std::string& text, CameraChoice& choice);
 
-/// none, or some of contacts, velocities, boxes and constraints with commas.
+/// none, or some of contacts, velocities, boxes, constraints and islands with commas.
 std::string parseOverlay(const std::string& text, OverlayChoice& choice);
 
 /// NAME=VALUE of a setting of the window; appends the command that sets it.

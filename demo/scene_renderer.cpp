@@ -6,6 +6,7 @@
 #include <limber/view/velocity_arrows.h>
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 namespace limber::demo {
@@ -75,6 +76,16 @@ view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId che
                       materialOf(look.finish, sizeOf(*body))};
   }
   return [looks = std::move(looks)](const SoftBody& body) { return looks.at(&body); };
+}
+
+render::Vec3 islandColour(int island) {
+  constexpr double kGoldenShare = 0.618033988749895;  // spreads hues evenly, however many there are
+  if (island < 0) return {0.62f, 0.62f, 0.64f};
+  const double hue = std::fmod(kGoldenShare * island, 1.0), lightness = island % 2 == 0 ? 0.60 : 0.50;
+  const auto channel = [&](double shift) {
+    return static_cast<float>(lightness + 0.32 * std::cos(kTwoPi * (hue + shift)));
+  };
+  return {channel(0.0), channel(-1.0 / 3.0), channel(1.0 / 3.0)};
 }
 
 view::RigidView::Look rigidLooks(const scenes::Scene& scene) {
@@ -176,7 +187,7 @@ render::DrawOptions drawOptions(const Shot& shot, bool gallery) {
 SceneView::SceneView(const scenes::Scene& scene, render::Renderer& renderer, render::TextureId checker)
     : scene_(scene),
       renderer_(renderer),
-      softBodies_(renderer, *scene.soft, softLooks(scene, checker)),
+      softBodies_(renderer, *scene.soft, looks(checker)),
       rigidBodies_(renderer, scene.world->dynamics, rigidLooks(scene)),
       floor_(addFloor()),
       overlay_(scene) {}
@@ -184,6 +195,14 @@ SceneView::SceneView(const scenes::Scene& scene, render::Renderer& renderer, ren
 SceneView::~SceneView() {
   renderer_.removeInstance(floor_);
   renderer_.removeShape(floorShape_);
+}
+
+view::SoftView::Look SceneView::looks(render::TextureId checker) const {
+  return [this, look = softLooks(scene_, checker)](const SoftBody& body) {
+    view::SoftLook shown = look(body);
+    if (islands_) shown.instance = {islandColour(body.island()), {}};
+    return shown;
+  };
 }
 
 render::InstanceId SceneView::addFloor() {
@@ -198,6 +217,10 @@ render::InstanceId SceneView::addFloor() {
 
 void SceneView::draw(const Shot& shot) {
   softBodies_.update();
+  if (islands_ || shot.overlay.islands) {
+    islands_ = shot.overlay.islands;
+    softBodies_.updateLooks();
+  }
   rigidBodies_.update();
   render::FrameWriter frame = renderer_.beginFrame();
   render::writeFrame(floorScale_, {}, frame.points(floor_));

@@ -36,6 +36,8 @@ inline render::Vec3 toVec3(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z
 /// Return the looks of the scene's bodies; `checker` is the texture of checkered ones. The scene must outlive
 /// the result.
 view::SoftView::Look softLooks(const scenes::Scene& scene, render::TextureId checker);
+/// Returns the colour of the bodies of an island (SoftBody::island()): grey for sleeping ones.
+render::Vec3 islandColour(int island);
 /// It also knows the bodies that come into the scene later.
 view::RigidView::Look rigidLooks(const scenes::Scene& scene);
 
@@ -83,8 +85,11 @@ class SceneView {
  private:
   render::InstanceId addFloor();
 
+  view::SoftView::Look looks(render::TextureId checker) const;
+
   const scenes::Scene& scene_;
   render::Renderer& renderer_;
+  bool islands_ = false;  // colours are those of islands
   view::SoftView softBodies_;
   view::RigidView rigidBodies_;
   render::ShapeId floorShape_;

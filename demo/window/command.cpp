@@ -132,6 +132,7 @@ const std::array<LayerInfo, kLayerCount>& layerList() {
                                                            {"velocities", '4', false},
                                                            {"constraints", '5', false},
                                                            {"shadows", '6', true},
+                                                           {"islands", '7', false},
                                                            {"panel", 'H', true}}};
   return list;
 }

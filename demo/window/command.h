@@ -71,8 +71,8 @@ struct Settings {
 // --- layers of the picture
 // ----------------------------------------------------------------------------------
 
-enum class Layer { Strain, Contacts, Boxes, Velocities, Constraints, Shadows, Panel };
-constexpr std::size_t kLayerCount = 7;
+enum class Layer { Strain, Contacts, Boxes, Velocities, Constraints, Shadows, Islands, Panel };
+constexpr std::size_t kLayerCount = 8;
 
 struct LayerInfo {
   const char* name;

@@ -17,6 +17,7 @@ void performOptions(Session& session, const DemoOptions& options) {
   if (options.overlay.boxes) show(Layer::Boxes);
   if (options.overlay.velocities) show(Layer::Velocities);
   if (options.overlay.constraints) show(Layer::Constraints);
+  if (options.overlay.islands) show(Layer::Islands);
   if (options.camera.path == CameraPath::Fixed)
     session.perform(cameraCommand(orbitOf(options.camera.eye, options.camera.target)));
   for (const Command& command : options.window.settings) session.perform(command);

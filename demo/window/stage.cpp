@@ -54,6 +54,7 @@ Shot shotOf(const Session& session, double tickFraction) {
   shot.overlay.boxes = session.shows(Layer::Boxes);
   shot.overlay.velocities = session.shows(Layer::Velocities);
   shot.overlay.constraints = session.shows(Layer::Constraints);
+  shot.overlay.islands = session.shows(Layer::Islands);
   shot.shadows = session.shows(Layer::Shadows);
   shot.marks = marksOf(session);
   return shot;

@@ -40,7 +40,8 @@ void addSettings(std::ostream& out, const Session& session) {
 void addLayers(std::ostream& out, const Session& session) {
   if (session.shows(Layer::Strain)) out << " --mode wireframe";
   const char* before = " --overlay ";
-  for (const Layer layer : {Layer::Contacts, Layer::Boxes, Layer::Velocities, Layer::Constraints}) {
+  for (const Layer layer :
+       {Layer::Contacts, Layer::Boxes, Layer::Velocities, Layer::Constraints, Layer::Islands}) {
     if (!session.shows(layer)) continue;
     out << before << layerList()[static_cast<std::size_t>(layer)].name;
     before = ",";

@@ -181,5 +181,29 @@ TEST(Profile, countsTheWorkOfTheTick) {
               p.readMs + p.searchMs + p.islandsMs + p.chooseMs + p.stepMs + p.writeMs + p.readBackMs, 1e-9);
 }
 
+TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {
+  BulletWorld bullet;
+  bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBody* apart = addSensedCube(system, 0.5 + kRadius);
+  SoftBodySettings s = apart->settings();
+  SoftBody* others[4];  // one on another, two under a box
+  for (int i = 0; i < 4; ++i) {
+    s.position = {i < 2 ? 3.0 : 4.5 + 1.5 * i, 0.5 + kRadius + (i == 1 ? 1 + 2 * kRadius : 0.0), 0};
+    others[i] = *system.createBody(test::closedCubeNetwork(), s);
+  }
+  bullet.addBox(vec(2, 0.1, 0.5), 1.0, vec(8.25, 1.1 + 2 * kRadius, 0));
+  EXPECT_EQ(apart->island(), -1) << "before the first tick";
+  bullet.simulate(0.3);
+  EXPECT_EQ(others[0]->island(), others[1]->island());
+  EXPECT_EQ(others[2]->island(), others[3]->island()) << "the box couples them";
+  EXPECT_NE(others[0]->island(), others[2]->island());
+  EXPECT_NE(apart->island(), others[0]->island());
+  EXPECT_GE(apart->island(), 0);
+  ASSERT_TRUE(system.addSpring({apart->point(0)}, {others[0]->point(0)}));
+  bullet.tick();
+  EXPECT_EQ(apart->island(), others[1]->island()) << "a spring couples them";
+}
+
 }  // namespace
 }  // namespace limber

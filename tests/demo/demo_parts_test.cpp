@@ -101,12 +101,12 @@ TEST(PictureChoices, camerasAreReadOrRefused) {
 
 TEST(PictureChoices, overlaysAreReadOrRefused) {
   OverlayChoice choice;
-  EXPECT_EQ(parseOverlay("contacts,velocities", choice), "");
+  EXPECT_EQ(parseOverlay("contacts,velocities,islands", choice), "");
   EXPECT_TRUE(choice.contacts && choice.velocities && !choice.boxes && !choice.constraints);
   EXPECT_EQ(parseOverlay("none", choice), "");
   EXPECT_FALSE(choice.contacts || choice.velocities);
   EXPECT_EQ(parseOverlay("contacts,speeds", choice),
-            "\"speeds\" is not one of contacts, velocities, boxes, constraints");
+            "\"speeds\" is not one of contacts, velocities, boxes, constraints, islands");
   EXPECT_NE(parseOverlay("", choice), "");
 }
 

@@ -2,6 +2,7 @@
 // What a user does in the window, without one.
 #include "window/session.h"
 
+#include "scene_renderer.h"
 #include "window/controls.h"
 #include "window/pace.h"
 #include "window/run_window.h"
@@ -116,6 +117,26 @@ TEST(Session, settingsAreTimesThoseOfTheSceneAndStayAfterARestart) {
   EXPECT_FLOAT_EQ(float(session->scene().world->dynamics.getGravity().y()), -4.0f);
   session->perform({Action::Scene, {}, "rope"});
   EXPECT_EQ(session->settings()[Setting::Stiffness], 1.0);
+}
+
+// The colours of two cubes with the layer of islands.
+std::array<render::Vec3, 2> islandColours(const Session& session) {
+  const SoftBodySystem& soft = *session.scene().soft;
+  return {islandColour(soft.body(0)->island()), islandColour(soft.body(1)->island())};
+}
+
+TEST(Session, touchingBodiesHaveTheColourOfTheirIslandAndOthersDiffer) {
+  const auto same = [](const render::Vec3& a, const render::Vec3& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+  };
+  const auto apart = sessionOf("cubes", 2), stacked = sessionOf("stack", 2);
+  ticks(*apart, 10);
+  ticks(*stacked, 10);
+  EXPECT_FALSE(same(islandColours(*apart)[0], islandColours(*apart)[1]));
+  EXPECT_TRUE(same(islandColours(*stacked)[0], islandColours(*stacked)[1]));
+  ticks(*apart, 600);
+  ASSERT_TRUE(apart->scene().soft->body(0)->sleeping());
+  EXPECT_TRUE(same(islandColours(*apart)[0], islandColours(*apart)[1])) << "asleep: grey";
 }
 
 TEST(Session, windBlowsWhereItIsTold) {

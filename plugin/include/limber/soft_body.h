@@ -235,6 +235,12 @@ class SoftBody {
 
   /// Returns the number of substeps of the springs in the last tick; 0 while asleep.
   int substeps() const;
+  /// Returns a number that the bodies of the world have in common that were stepped together in the last tick,
+  /// because contacts, joints, springs or anchors couple them, also through rigid bodies; a body that was
+  /// stepped alone has one for itself. Surfaces that were near enough to meet in the tick count as touching.
+  /// The number stays as long as the first of these bodies and the bodies made before it stay. -1 while asleep,
+  /// and before the first tick. For debug pictures.
+  int island() const;
   /// Returns the smallest share of its stiffness that a spring, or the volume modulus, of this body has left
   /// because of Stepping::maxSubsteps: 1 without softening. At 0.01 the body may be deformed by 100 times
   /// what its settings would allow. It is that of the last tick, and 1 before the first one.

@@ -201,6 +201,9 @@ void addLinkedRigids(const AwakeGroups& groups, TickContacts& found);
 /// LinkedGroup::inIsland. A group that is coupled to no other moving body is in no island.
 void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, Islands& islands);
 
+/// Sets SoftBodyData::island to the smallest index of the bodies that are stepped together.
+void numberIslands(const AwakeGroups& groups, Islands& islands);
+
 /// Steps an island by velocity Verlet with the largest number of substeps that one of its groups needs.
 /// Contacts of surfaces with a large relative displacement are searched for again during the tick. The error
 /// correction of joints must not raise the island's energy. Several islands may be stepped at a time; `lock`

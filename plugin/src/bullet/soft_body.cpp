@@ -225,6 +225,7 @@ Stepper SoftBody::stepper() const { return data_->stepper; }
 double SoftBody::softening() const { return data_->softening ? data_->softening->share : 1.0; }
 double SoftBody::errorPerSecond() const { return data_->errorPerSecond; }
 int SoftBody::substeps() const { return data_->substeps; }
+int SoftBody::island() const { return data_->asleep ? -1 : data_->island; }
 double SoftBody::frequencyBound() const { return std::sqrt(data_->frequencySquared); }
 
 const std::vector<SoftContact>& SoftBody::contacts() const { return readReport(*data_); }

@@ -273,6 +273,7 @@ struct SoftBodyData {
   RateHistory rateHistory;
   EnergyLimit energyLimit;
   int substeps = 0;                   ///< in the last tick
+  int island = -1;                    ///< in the last tick, see SoftBody::island()
   Stepper stepper = Stepper::Verlet;  ///< in the last tick
   double errorPerSecond = 0.0;        ///< m/s
   double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem

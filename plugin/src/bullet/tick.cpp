@@ -185,6 +185,7 @@ void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {
   links.addJoints(pairs);
   gatherRigidContacts(*world, tick, manifolds, pairs);
   makeIslands(awake, pairs, tick, islands);
+  numberIslands(awake, islands);
 }
 
 void SoftBodySystem::Impl::WorldStep::keepBudgets(btScalar tick) {

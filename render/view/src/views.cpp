@@ -275,6 +275,11 @@ void SoftView::update() {
       shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
 }
 
+void SoftView::updateLooks() {
+  if (!look_) return;
+  for (const auto& [body, shown] : shown_) renderer_.setLook(shown.instance, look_(*body).instance);
+}
+
 void SoftView::write(const render::FrameWriter& frame, double tickFraction) const {
   for (std::size_t b = 0; b < system_.bodyCount(); ++b) {
     const SoftBody* body = system_.body(b);

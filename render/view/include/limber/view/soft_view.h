@@ -41,7 +41,7 @@ class SoftView {
  public:
   using Look = std::function<SoftLook(const SoftBody&)>;
 
-  /// `look` is called once for each body.
+  /// `look` is called once for each body, and in updateLooks().
   SoftView(render::Renderer& renderer, const SoftBodySystem& system, Look look = {});
   /// Removes its instances and shapes from the renderer.
   ~SoftView();
@@ -50,6 +50,8 @@ class SoftView {
 
   /// Adds new bodies and drops removed ones. Call it before Renderer::beginFrame().
   void update();
+  /// Asks for the colours and textures of all bodies again. They change at the next beginFrame().
+  void updateLooks();
   /// Writes all points straight into the memory that the GPU reads, see SoftBody::writePositions().
   void write(const render::FrameWriter& frame, double tickFraction = 1.0) const;
 
