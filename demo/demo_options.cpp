@@ -114,6 +114,8 @@ void addWindowOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--set", line.settings, "NAME=VALUE of a setting of the window, as its title shows it")
       ->needs(window)
       ->allow_extra_args(false);
+  app.add_flag("--split", w.split, "begin with the same scene played by btSoftBody in the right half")
+      ->needs(window);
   CLI::Option* record =
       app.add_option("--record", w.record, "write all that is done in the window to this file")
           ->needs(window);
@@ -128,8 +130,9 @@ std::string windowConflict(const CommandLine& line) {
   const bool replay = !o.window.replay.empty();
   if (replay && !o.window.open && o.mode != PictureMode::None)
     return "--replay needs --window, or --mode none to run without one";
-  for (const char* option : {"--scene", "--mesh", "--count", "--stiffness", "--damping", "--mass", "--scale",
-                             "--seed", "--feel", "--points", "--set", "--camera", "--overlay", "--size"})
+  for (const char* option :
+       {"--scene", "--mesh", "--count", "--stiffness", "--damping", "--mass", "--scale", "--seed", "--feel",
+        "--points", "--set", "--split", "--camera", "--overlay", "--size"})
     if (replay && line.app->count(option) > 0)
       return std::string(option) + " has no meaning with --replay: the recording has the scene and the view";
   if (!o.window.open) return {};

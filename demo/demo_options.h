@@ -37,6 +37,7 @@ struct WindowOptions {
   std::string record, replay;     ///< files of all commands; empty: none
   std::string log;                ///< file of what happens; empty: none
   std::string picture;            ///< PNG of the window when it closes; empty: none
+  bool split = false;             ///< with btSoftBody beside it
   double seconds = 0.0;           ///< of simulated time, after which it closes; 0: the user closes it
   std::vector<Command> settings;  ///< to begin with
 };

@@ -173,29 +173,43 @@ const render::Vec3 kWallTop{0.47f, 0.56f, 0.66f}, kWallBottom{0.95f, 0.93f, 0.90
 /// Hanging and resting bodies of the scenes have strains of a few per cent.
 constexpr float kStrainRange = 0.03f;
 
-render::DrawOptions drawOptions(const Shot& shot, bool gallery) {
+}  // namespace
+
+render::DrawOptions drawOptions(const Shot& shot, render::Quality quality) {
   render::DrawOptions draw;
   if (shot.mode == PictureMode::Wireframe) draw.mode = render::DrawMode::Wireframe;
   draw.strainRange = kStrainRange;
-  if (gallery) draw.backgroundTop = kWallTop, draw.backgroundBottom = kWallBottom;
+  if (quality == render::Quality::Gallery) draw.backgroundTop = kWallTop, draw.backgroundBottom = kWallBottom;
   if (shot.overlay.velocities) draw.legends = {view::speedLegend(kVelocityArrows)};
   return draw;
 }
 
-}  // namespace
+FloorView::FloorView(render::Renderer& renderer, const scenes::Scene& scene) : renderer_(renderer) {
+  const render::Vec3 middle{0.0f, static_cast<float>(scene.floor.height), 0.0f};
+  const float extent = kFloorSizes * static_cast<float>(scene.view.box.diagonal().norm());
+  const render::RigidShape rigid =
+      render::makeRigid(render::makeFloor(middle, static_cast<float>(scene.floor.halfSize), extent));
+  scale_ = rigid.reach;
+  shape_ = renderer_.addShape(rigid.shape);
+  instance_ = renderer_.addInstance(shape_, {kFloorColour, {}});
+}
+
+FloorView::~FloorView() {
+  renderer_.removeInstance(instance_);
+  renderer_.removeShape(shape_);
+}
+
+void FloorView::write(const render::FrameWriter& frame) const {
+  render::writeFrame(scale_, {}, frame.points(instance_));
+}
 
 SceneView::SceneView(const scenes::Scene& scene, render::Renderer& renderer, render::TextureId checker)
     : scene_(scene),
       renderer_(renderer),
       softBodies_(renderer, *scene.soft, looks(checker)),
       rigidBodies_(renderer, scene.world->dynamics, rigidLooks(scene)),
-      floor_(addFloor()),
+      floor_(renderer, scene),
       overlay_(scene) {}
-
-SceneView::~SceneView() {
-  renderer_.removeInstance(floor_);
-  renderer_.removeShape(floorShape_);
-}
 
 view::SoftView::Look SceneView::looks(render::TextureId checker) const {
   return [this, look = softLooks(scene_, checker)](const SoftBody& body) {
@@ -203,16 +217,6 @@ view::SoftView::Look SceneView::looks(render::TextureId checker) const {
     if (islands_) shown.instance = {islandColour(body.island()), {}};
     return shown;
   };
-}
-
-render::InstanceId SceneView::addFloor() {
-  const render::Vec3 middle{0.0f, static_cast<float>(scene_.floor.height), 0.0f};
-  const float halfSize = static_cast<float>(scene_.floor.halfSize);
-  const float extent = kFloorSizes * static_cast<float>(scene_.view.box.diagonal().norm());
-  const render::RigidShape floor = render::makeRigid(render::makeFloor(middle, halfSize, extent));
-  floorScale_ = floor.reach;
-  floorShape_ = renderer_.addShape(floor.shape);
-  return renderer_.addInstance(floorShape_, {kFloorColour, {}});
 }
 
 void SceneView::draw(const Shot& shot) {
@@ -223,7 +227,7 @@ void SceneView::draw(const Shot& shot) {
   }
   rigidBodies_.update();
   render::FrameWriter frame = renderer_.beginFrame();
-  render::writeFrame(floorScale_, {}, frame.points(floor_));
+  floor_.write(frame);
   softBodies_.write(frame, shot.tickFraction);
   rigidBodies_.write(frame, shot.tickFraction, 1.0 / static_cast<double>(scenes::kTicksPerSecond));
   render::Overlay& lines = overlay_.draw(shot.overlay, shot.camera.eye);
@@ -231,7 +235,7 @@ void SceneView::draw(const Shot& shot) {
   render::Light light = lightOf(scene_.view);
   light.shadows = shot.shadows;
   renderer_.draw(frame, shot.camera, light,
-                 drawOptions(shot, renderer_.quality() == render::Quality::Gallery), lines);
+                 drawOptions(shot, renderer_.quality()), lines);
 }
 
 namespace {

@@ -69,13 +69,31 @@ struct Shot {
 /// Returns white and grey squares, which the colour of a body multiplies, as a texture.
 render::TextureId addCheckerTexture(render::Renderer& renderer);
 
+/// Returns how a renderer draws the shot.
+render::DrawOptions drawOptions(const Shot& shot, render::Quality quality);
+
+/// The floor of a scene in a renderer, which must outlive it.
+class FloorView {
+ public:
+  FloorView(render::Renderer& renderer, const scenes::Scene& scene);
+  ~FloorView();
+  FloorView(const FloorView&) = delete;
+  FloorView& operator=(const FloorView&) = delete;
+
+  void write(const render::FrameWriter& frame) const;
+
+ private:
+  render::Renderer& renderer_;
+  render::ShapeId shape_;
+  float scale_ = 1.0f;
+  render::InstanceId instance_;
+};
+
 /// Shows a scene with a renderer; both must outlive it. All members throw std::runtime_error with the reason
 /// if the driver fails.
 class SceneView {
  public:
   SceneView(const scenes::Scene& scene, render::Renderer& renderer, render::TextureId checker);
-  /// Removes all from the renderer.
-  ~SceneView();
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
 
@@ -83,8 +101,6 @@ class SceneView {
   void draw(const Shot& shot);
 
  private:
-  render::InstanceId addFloor();
-
   view::SoftView::Look looks(render::TextureId checker) const;
 
   const scenes::Scene& scene_;
@@ -92,9 +108,7 @@ class SceneView {
   bool islands_ = false;  // colours are those of islands
   view::SoftView softBodies_;
   view::RigidView rigidBodies_;
-  render::ShapeId floorShape_;
-  float floorScale_ = 1.0f;
-  render::InstanceId floor_;
+  FloorView floor_;
   SceneOverlay overlay_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/rigid_bodies.h"
 
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 
 namespace limber::bench {
 

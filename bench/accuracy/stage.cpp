@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/stage.h"
 
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 
 #include <chrono>
 #include <cstring>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "engines/bare_engine.h"
 
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 
 #include <map>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "engines/bullet_soft_body.h"
+#include "bullet_soft/bullet_soft_body.h"
 #include "engines/bullet_soft_engines.h"
 
 #include <BulletSoftBody/btDeformableBodySolver.h>

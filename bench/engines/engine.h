@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet_soft/body_start.h"
+
 #include <limber/soft_body_settings.h>
 
 #include <btBulletDynamicsCommon.h>
@@ -17,16 +19,7 @@
 
 namespace limber::bench {
 
-/// A body of point masses and springs, described for all engines.
-struct BodySetup {
-  SharedNetwork network;
-  SoftBodySettings settings;  ///< stiffness, mass, damping and position; each engine has its own stepping
-  std::vector<std::uint32_t> pins;  ///< points that are held at their initial positions
-  Eigen::Matrix3Xd positions;       ///< 3 x #points, m, or empty: from the settings
-  Eigen::Matrix3Xd velocities;      ///< 3 x #points, m/s, or empty: from the settings
-  double drag = 0.0;                ///< 1/s, slows all motion in engines without dampers along springs
-  bool maySleep = false;            ///< if the engine supports it; otherwise the body is kept awake
-};
+using namespace bullet_soft;  // BodySetup, BodyStart and their functions
 
 /// A point of one of the bodies.
 struct BodyPoint {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "engines/limber_engine.h"
 
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 
 #include <limber/contacts.h>
 #include <limber/soft_body_system.h>

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "engines/bullet_soft_body.h"
+#include "bullet_soft/bullet_soft_body.h"
 #include "engines/bullet_soft_engines.h"
 
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include <cmath>
-#include <map>
 
 namespace limber::bench {
 namespace {
@@ -28,9 +27,6 @@ class SoftBodyEngine final : public Engine {
   }
 
  private:
-  double shareOf(double springShare) const;
-  void calibrate(const BodySetup& setup, const BodyStart& start, BulletSoftBody& soft);
-
   double dt_;
   int iterations_;
   LinkStiffness stiffness_;
@@ -46,28 +42,6 @@ class SoftBodyEngine final : public Engine {
 
 SoftBodyEngine::~SoftBodyEngine() {
   for (const BulletSoftBody& soft : bodies_) world_.removeSoftBody(soft.body.get());
-}
-
-/// Returns the share of a link's error that each iteration must remove so that all remove `springShare`.
-double SoftBodyEngine::shareOf(double springShare) const {
-  return 1.0 - std::pow(1.0 - springShare, 1.0 / iterations_);
-}
-
-/// A step h of implicit Euler with a spring k between two points of inverse masses w removes
-///   k h^2 (wa + wb) / (1 + k h^2 (wa + wb))  of its error; kLST is the corresponding share of one iteration.
-void SoftBodyEngine::calibrate(const BodySetup& setup, const BodyStart& start, BulletSoftBody& soft) {
-  std::map<btScalar, btSoftBody::Material*> materials;
-  for (int s = 0; s < soft.body->m_links.size(); ++s) {
-    const NetworkSpring& spring = setup.network->springs[static_cast<std::size_t>(s)];
-    const auto inverseMass = [&](std::uint32_t i) { return double(soft.node(i).m_im); };
-    const double stiff = start.stiffnesses[s] * dt_ * dt_ * (inverseMass(spring.a) + inverseMass(spring.b));
-    const auto share = static_cast<btScalar>(shareOf(stiff / (1.0 + stiff)));
-    btSoftBody::Material*& material = materials[share];
-    if (!material) material = soft.body->appendMaterial();
-    material->m_kLST = share;
-    soft.body->m_links[s].m_material = material;
-  }
-  soft.body->updateLinkConstants();
 }
 
 void setContacts(btSoftBody& body, SoftContacts contacts) {
@@ -89,7 +63,7 @@ std::size_t SoftBodyEngine::addBody(const BodySetup& setup) {
   const BodyStart start = startOf(setup);
   world_.getWorldInfo().m_gravity = world_.getGravity();
   BulletSoftBody soft = makeBulletSoftBody(setup, start, world_.getWorldInfo());
-  if (stiffness_ == LinkStiffness::Calibrated) calibrate(setup, start, soft);
+  if (stiffness_ == LinkStiffness::Calibrated) calibrateLinks(soft, *setup.network, start, iterations_, dt_);
   soft.body->m_cfg.piterations = iterations_;
   soft.body->m_cfg.kKHR = static_cast<btScalar>(hardness_);
   setContacts(*soft.body, contacts_);

@@ -2,7 +2,7 @@
 #include "stability/obstacles.h"
 
 #include "accuracy/rigid_bodies.h"
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 
 #include <algorithm>
 #include <cmath>

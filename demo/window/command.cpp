@@ -117,7 +117,13 @@ const std::array<SettingInfo, kSettingCount>& settingList() {
        {"wind", "wind m/s", 0.0, 30.0, 0.0, false, false},
        {"wind-direction", "wind to deg", -180.0, 180.0, 0.0, false, false},
        {"max-substeps", "max substeps", 0.0, 200.0, 0.0, false, true},
-       {"tolerance", "tolerance 1/s", 0.0, 1.0, 0.0, true, false}}};
+       {"tolerance", "tolerance 1/s", 0.0, 1.0, 0.0, true, false},
+       {"bt-iterations", "piterations", 1.0, 100.0, 10.0, true, true},
+       {"bt-stiffness", "kLST, 0: of k", 0.0, 1.0, 0.0, false, false},
+       {"bt-damping", "kDP, added", 0.0, 1.0, 0.0, true, false},
+       {"bt-pressure", "kPR/V0 Pa", 0.0, 10000.0, 0.0, true, false},
+       {"bt-friction", "kDF x", 0.0, 10.0, 1.0, false, false},
+       {"bt-margin", "margin x", 0.1, 10.0, 1.0, true, false}}};
   return list;
 }
 
@@ -133,7 +139,8 @@ const std::array<LayerInfo, kLayerCount>& layerList() {
                                                            {"constraints", '5', false},
                                                            {"shadows", '6', true},
                                                            {"islands", '7', false},
-                                                           {"panel", 'H', true}}};
+                                                           {"panel", 'H', true},
+                                                           {"split", 'S', false}}};
   return list;
 }
 

@@ -46,8 +46,24 @@ Result<Command> parseCommand(const std::string& text);
 
 // --- settings ----------------------------------------------------------------------------------------------
 
-enum class Setting { Stiffness, Damping, Pressure, Gravity, Wind, WindDirection, MaxSubsteps, Tolerance };
-constexpr std::size_t kSettingCount = 8;
+enum class Setting {
+  Stiffness,
+  Damping,
+  Pressure,
+  Gravity,
+  Wind,
+  WindDirection,
+  MaxSubsteps,
+  Tolerance,
+  BulletIterations,  ///< from here on those of btSoftBody, see bullet_soft::TwinSettings
+  BulletStiffness,
+  BulletDamping,
+  BulletPressure,
+  BulletFriction,
+  BulletMargin
+};
+constexpr std::size_t kSettingCount = 14;
+constexpr bool isOfBullet(Setting setting) { return setting >= Setting::BulletIterations; }
 
 struct SettingInfo {
   const char* name;   ///< in commands
@@ -71,8 +87,8 @@ struct Settings {
 // --- layers of the picture
 // ----------------------------------------------------------------------------------
 
-enum class Layer { Strain, Contacts, Boxes, Velocities, Constraints, Shadows, Islands, Panel };
-constexpr std::size_t kLayerCount = 8;
+enum class Layer { Strain, Contacts, Boxes, Velocities, Constraints, Shadows, Islands, Panel, Split };
+constexpr std::size_t kLayerCount = 9;
 
 struct LayerInfo {
   const char* name;

@@ -49,10 +49,19 @@ void Controls::press(Button button, Modifiers modifiers) {
     drag_ = Drag::Pan;
   else if (button == Button::Right)
     drag_ = Drag::Orbit;
+  else if (session_.layout(size_).isSecond(mouse_))
+    drag_ = Drag::Orbit;
   else if (modifiers.control)
     drag_ = Drag::Cut;
   else
     grabOrOrbit();
+}
+
+// Both views have the same camera. A drag goes on beyond the view in which it began.
+Ray Controls::rayThrough(Pixel pixel) const {
+  const ViewLayout layout = session_.layout(size_);
+  const bool second = layout.isSecond(drag_ == Drag::None ? pixel : start_);
+  return session_.camera().ray(second ? layout.inSecond(pixel) : layout.inFirst(pixel), layout.view);
 }
 
 void Controls::grabOrOrbit() {
@@ -80,7 +89,7 @@ void Controls::finishMovement() {
 
 void Controls::cut() {
   if (std::hypot(mouse_.x - start_.x, mouse_.y - start_.y) < kLeastCut) return;
-  const Ray from = session_.camera().ray(start_, size_), to = mouseRay();
+  const Ray from = rayThrough(start_), to = mouseRay();
   Command command = rayCommand(Action::Cut, from);
   command.numbers.insert(command.numbers.end(), {to.direction.x(), to.direction.y(), to.direction.z()});
   session_.perform(command);
@@ -118,7 +127,7 @@ void Controls::press(char key) {
       session_.perform(rayCommand(Action::Pin, mouseRay()));
       break;
     case 'C':
-      session_.perform(cameraCommand(framedCamera(session_.scene(), size_)));
+      session_.perform(cameraCommand(framedCamera(session_.scene(), session_.layout(size_).view)));
       break;
     case 'Q':
     case kEscape:

@@ -51,7 +51,8 @@ class Controls {
  private:
   enum class Drag { None, Body, Orbit, Pan, Cut };
 
-  Ray mouseRay() const { return session_.camera().ray(mouse_, size_); }
+  Ray rayThrough(Pixel pixel) const;
+  Ray mouseRay() const { return rayThrough(mouse_); }
   void grabOrOrbit();
   void cut();
 

@@ -25,10 +25,10 @@ void History::add(const TickSample& sample) {
   if (samples_.size() > kLength) samples_.pop_front();
 }
 
-double History::meanMs() const {
+double History::mean(float TickSample::*value) const {
   const std::size_t count = std::min(samples_.size(), static_cast<std::size_t>(scenes::kTicksPerSecond));
   double sum = 0.0;
-  for (std::size_t i = 0; i < count; ++i) sum += double(samples_[samples_.size() - 1 - i].totalMs);
+  for (std::size_t i = 0; i < count; ++i) sum += double(samples_[samples_.size() - 1 - i].*value);
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 

@@ -18,6 +18,7 @@ constexpr std::array<const char*, kTickParts> kTickPartNames = {"springs", "cont
 struct TickSample {
   std::array<float, kTickParts> ms{};
   float totalMs = 0.0f;
+  float twinMs = 0.0f;            ///< of btSoftBody, with the split
   float substeps = 0.0f;          ///< mean of the awake bodies
   std::array<float, 3> energy{};  ///< J: kinetic, elastic, potential
 };
@@ -33,9 +34,13 @@ class History {
   void clear() { samples_.clear(); }
   const std::deque<TickSample>& samples() const { return samples_; }
   /// Returns the mean duration of a tick in the last second, ms.
-  double meanMs() const;
+  double meanMs() const { return mean(&TickSample::totalMs); }
+  /// The same of btSoftBody.
+  double meanTwinMs() const { return mean(&TickSample::twinMs); }
 
  private:
+  double mean(float TickSample::*value) const;
+
   std::deque<TickSample> samples_;
 };
 

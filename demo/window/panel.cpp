@@ -175,24 +175,38 @@ const char* formatOf(const SettingInfo& info) {
 
 }  // namespace
 
+void Panel::drawSetting(Session& session, std::size_t setting) {
+  const SettingInfo& info = settingList()[setting];
+  float value = static_cast<float>(session.settings().values[setting]);
+  const ImGuiSliderFlags flags =
+      ImGuiSliderFlags_AlwaysClamp | (info.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+  const bool moved = ImGui::SliderFloat(info.label, &value, static_cast<float>(info.low),
+                                        static_cast<float>(info.high), formatOf(info), flags);
+  const ImVec2 low = ImGui::GetItemRectMin(), size{ImGui::CalcItemWidth(), ImGui::GetItemRectSize().y};
+  sliders_.push_back({info.name, double(low.x), double(low.y), double(size.x), double(size.y)});
+  if (!moved) return;
+  const double number =
+      std::clamp(info.whole ? std::round(double(value)) : double(value), info.low, info.high);
+  session.perform({Action::Set, {number}, info.name});
+}
+
 void Panel::drawSettings(Session& session) {
-  sliders_.clear();
   ImGui::PushItemWidth(170.0f);
-  for (std::size_t i = 0; i < kSettingCount; ++i) {
-    const SettingInfo& info = settingList()[i];
-    float value = static_cast<float>(session.settings().values[i]);
-    const ImGuiSliderFlags flags =
-        ImGuiSliderFlags_AlwaysClamp | (info.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-    const bool moved = ImGui::SliderFloat(info.label, &value, static_cast<float>(info.low),
-                                          static_cast<float>(info.high), formatOf(info), flags);
-    const ImVec2 low = ImGui::GetItemRectMin(), size{ImGui::CalcItemWidth(), ImGui::GetItemRectSize().y};
-    sliders_.push_back({info.name, double(low.x), double(low.y), double(size.x), double(size.y)});
-    if (!moved) continue;
-    const double number =
-        std::clamp(info.whole ? std::round(double(value)) : double(value), info.low, info.high);
-    session.perform({Action::Set, {number}, info.name});
-  }
+  for (std::size_t i = 0; i < kSettingCount; ++i)
+    if (!isOfBullet(static_cast<Setting>(i))) drawSetting(session, i);
   ImGui::PopItemWidth();
+}
+
+void Panel::drawBulletSettings(Session& session) {
+  ImGui::PushItemWidth(170.0f);
+  for (std::size_t i = 0; i < kSettingCount; ++i)
+    if (isOfBullet(static_cast<Setting>(i))) drawSetting(session, i);
+  ImGui::PopItemWidth();
+  if (!session.bulletTwin()) return;
+  std::string without;
+  for (const std::string& note : session.bulletTwin()->notes())
+    without += (without.empty() ? "" : ", ") + note;
+  if (!without.empty()) ImGui::TextWrapped("%s", without.c_str());
 }
 
 void Panel::draw(Session& session, Controls& controls, const History& history, const FrameFigures& figures,
@@ -203,7 +217,10 @@ void Panel::draw(Session& session, Controls& controls, const History& history, c
     ImGui::BeginDisabled(!interactive);
     drawPlayback(session, controls);
     drawFigures(session, history, figures);
+    sliders_.clear();
     if (ImGui::CollapsingHeader("settings", ImGuiTreeNodeFlags_DefaultOpen)) drawSettings(session);
+    if (session.shows(Layer::Split) && ImGui::CollapsingHeader("btSoftBody", ImGuiTreeNodeFlags_DefaultOpen))
+      drawBulletSettings(session);
     if (ImGui::CollapsingHeader("show", ImGuiTreeNodeFlags_DefaultOpen)) drawLayers(session);
     if (ImGui::CollapsingHeader("plots", ImGuiTreeNodeFlags_DefaultOpen)) drawPlots(history);
     if (ImGui::CollapsingHeader("keys")) drawHelp();

@@ -33,7 +33,9 @@ class Panel {
   void setMessage(std::string message) { message_ = std::move(message); }
 
  private:
+  void drawSetting(Session& session, std::size_t setting);
   void drawSettings(Session& session);
+  void drawBulletSettings(Session& session);
 
   std::string message_;
   std::vector<SliderPlace> sliders_, reported_;

@@ -44,9 +44,10 @@ class Hand {
   void release();
 
   bool holds() const { return grab_.holds() || joint_ != nullptr; }
-  Eigen::Vector3d place() const { return place_; }  ///< m, where it pulls to
-  Eigen::Vector3d held() const;                     ///< m, of the point of the body
-  SoftBody* soft() const { return grab_.body(); }   ///< nullptr: holds none
+  Eigen::Vector3d place() const { return place_; }       ///< m, where it pulls to
+  Eigen::Vector3d held() const;                          ///< m, of the point of the body
+  std::uint32_t point() const { return grab_.point(); }  ///< of soft()
+  SoftBody* soft() const { return grab_.body(); }        ///< nullptr: holds none
 
  private:
   void grabRigid(scenes::Scene& scene, const Pick& pick);

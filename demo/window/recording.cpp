@@ -232,7 +232,7 @@ std::string lineOf(const RecordedState& state) {
 }
 
 RecordedState stateOf(const Session& session, bool end) {
-  return {session.ticks(), scenes::stateHash(session.scene()), end};
+  return {session.ticks(), session.stateHash(), end};
 }
 
 Result<LineFile> LineFile::create(const std::string& file) {

@@ -12,6 +12,7 @@ void performOptions(Session& session, const DemoOptions& options) {
   const auto show = [&session](Layer layer) {
     session.perform({Action::Show, {1.0}, layerList()[static_cast<std::size_t>(layer)].name});
   };
+  if (options.window.split) show(Layer::Split);
   if (options.mode == PictureMode::Wireframe) show(Layer::Strain);
   if (options.overlay.contacts) show(Layer::Contacts);
   if (options.overlay.boxes) show(Layer::Boxes);

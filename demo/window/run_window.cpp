@@ -5,6 +5,7 @@
 #include "run_demo.h"
 #include "window/history.h"
 #include "window/panel.h"
+#include "window/split_labels.h"
 #include "window/stage.h"
 #include "window/title.h"
 #include "window/window.h"
@@ -206,7 +207,9 @@ void Play::tick() {
   if (record_ && session_->ticks() % kStateTicks == 0) record(lineOf(stateOf(*session_, false)));
   if (session_->sceneNumber() != sceneNumber_) history_.clear();
   sceneNumber_ = session_->sceneNumber();
-  history_.add(sampleOf(times, session_->shows(Layer::Panel) ? session_->energy() : Energy{}));
+  TickSample sample = sampleOf(times, session_->shows(Layer::Panel) ? session_->energy() : Energy{});
+  if (const auto* twin = session_->bulletTwin()) sample.twinMs = static_cast<float>(twin->tickMs());
+  history_.add(sample);
 }
 
 /// A replay has a tick in every frame, except in slow motion.
@@ -220,7 +223,9 @@ void Play::draw(double fraction) {
   const Clock::time_point start = Clock::now();
   if (session_->shows(Layer::Panel)) panel_.draw(*session_, controls_, history_, figures_, !replay_);
   drawCutLine();
-  stage_.draw(*session_, fraction, window_.framebufferSize());
+  drawSplitLabels(*session_, history_, window_.size());
+  const WindowSize pixels = window_.framebufferSize();
+  stage_.draw(*session_, fraction, pixels, double(pixels.width) / window_.size().width);
   window_.drawPanel();
   figures_.drawMs += 0.05 * (1000.0 * secondsBetween(start, Clock::now()) - figures_.drawMs);
 }
@@ -265,10 +270,11 @@ void Play::logStatus() {
   if (session_->scene().soft->bodyCount() == 0) return;
   const SoftBody& body = *session_->scene().soft->body(0);
   const Eigen::Vector3d centre = body.centerOfMass();
-  const std::optional<Pixel> pixel = session_->camera().pixelOf(centre, window_.size());
+  const ViewLayout layout = session_->layout(window_.size());
+  const std::optional<Pixel> pixel = session_->camera().pixelOf(centre, layout.view);
   if (!pixel) return;
   logLine("tick %lld: body 0 at %.3f %.3f %.3f, pixel %.0f %.0f, stiffness %.6g", ticks(), centre.x(),
-          centre.y(), centre.z(), pixel->x, pixel->y, body.settings().extensionStiffness);
+          centre.y(), centre.z(), pixel->x + layout.left, pixel->y, body.settings().extensionStiffness);
 }
 
 // --- the end -----------------------------------------------------------------------------------------------

@@ -70,6 +70,17 @@ SoftBodySettings changed(SoftBodySettings now, const SoftBodySettings& made, con
   return now;
 }
 
+bullet_soft::TwinSettings twinSettings(const Settings& settings) {
+  bullet_soft::TwinSettings twin;
+  twin.iterations = static_cast<int>(settings[Setting::BulletIterations]);
+  twin.stiffness = settings[Setting::BulletStiffness];
+  twin.damping = settings[Setting::BulletDamping];
+  twin.pressure = settings[Setting::BulletPressure];
+  twin.friction = settings[Setting::BulletFriction];
+  twin.margin = settings[Setting::BulletMargin];
+  return twin;
+}
+
 /// Some scenes begin in a wind.
 Settings startOf(const scenes::Scene& scene) {
   Settings settings;
@@ -106,8 +117,9 @@ std::string Session::create(const SceneChoice& choice) {
   if (!scene) return scene.error();
   hand_.release();
   scene_ = std::move(*scene);
-  if (choice.name != choice_.name || sceneNumber_ == 0) camera_ = framedCamera(*scene_, size_);
+  if (choice.name != choice_.name || sceneNumber_ == 0) camera_ = framedCamera(*scene_, layout(size_).view);
   choice_ = choice;
+  createTwin();
   ++sceneNumber_;
   settings_ = start_ = startOf(*scene_);
   made_.clear();
@@ -144,8 +156,7 @@ std::string Session::act(const Command& command) {
     case Action::Set:
       return set(command);
     case Action::Show:
-      layers_[layerOf(command.word)] = command.numbers[0] != 0.0;
-      return {};
+      return show(command);
     case Action::Restart:
       return restart();
     case Action::Scene:
@@ -167,7 +178,9 @@ std::string Session::act(const Command& command) {
 
 scenes::TickTimes Session::tick() {
   ++ticks_;
-  return scenes::tick(*scene_);
+  const scenes::TickTimes times = scenes::tick(*scene_);
+  tickTwin();
+  return times;
 }
 
 Energy Session::energy() const {
@@ -182,13 +195,59 @@ Energy Session::energy() const {
   return energy;
 }
 
+std::uint64_t Session::stateHash() const {
+  const std::uint64_t hash = scenes::stateHash(*scene_);
+  return twin_ ? (hash ^ twin_->stateHash()) * 1099511628211ull : hash;
+}
+
+// --- btSoftBody --------------------------------------------------------------------------------------------
+
+ViewLayout Session::layout(const WindowSize& window) const {
+  return layoutOf(window, shows(Layer::Split), shows(Layer::Panel));
+}
+
+/// Both engines begin at once: the scene begins anew with the split.
+std::string Session::show(const Command& command) {
+  const std::size_t layer = layerOf(command.word);
+  const bool before = layers_[layer];
+  layers_[layer] = command.numbers[0] != 0.0;
+  if (static_cast<Layer>(layer) != Layer::Split || layers_[layer] == before) return {};
+  camera_ = framedCamera(*scene_, layout(size_).view);
+  if (layers_[layer]) return restart();
+  createTwin();
+  return {};
+}
+
+void Session::createTwin() {
+  twin_.reset();
+  twinProblem_.clear();
+  if (!shows(Layer::Split)) return;
+  scenes::SceneResult scene = scenes::findScene(choice_.name)->create(choice_.options);
+  auto twin = scene ? bullet_soft::BulletTwin::create(std::move(*scene))
+                    : Result<std::unique_ptr<bullet_soft::BulletTwin>>(Error{scene.error()});
+  if (twin)
+    twin_ = std::move(*twin);
+  else
+    twinProblem_ = twin.error();
+}
+
+void Session::tickTwin() {
+  if (!twin_) return;
+  std::optional<bullet_soft::HeldPoint> held;
+  if (const SoftBody* body = hand_.soft()) held = {indexOf(*scene_, body), hand_.point(), hand_.place()};
+  twin_->tick(*scene_, twinSettings(settings_), held);
+}
+
+std::string Session::bulletProblem() const { return twin_ ? twin_->problem() : twinProblem_; }
+
 // --- what the mouse does -----------------------------------------------------------------------------------
 
 std::string Session::grab(const Ray& ray) {
   const std::optional<Pick> found = pick(*scene_, ray);
   if (!found) return "nothing there";
   const std::string reason = hand_.grab(*scene_, *found);
-  return reason.empty() ? textOf(*scene_, *found) : reason;
+  if (!reason.empty()) return reason;
+  return textOf(*scene_, *found) + (twin_ && found->rigid ? ", but not btSoftBody's" : "");
 }
 
 std::string Session::shoot(const Ray& ray) {
@@ -196,10 +255,17 @@ std::string Session::shoot(const Ray& ray) {
   constexpr double kDensity = 300.0;  // kg/m^3, of wood
   const double scale = radiusOf(*scene_), radius = kRadiusShare * scale;
   const double mass = kDensity * 4.19 * radius * radius * radius;
-  btRigidBody& ball = scenes::addBall(*scene_, ray.at(0.1 * camera_.distance), radius, mass, kBallColour);
-  ball.setLinearVelocity(toBullet(camera_.distance / kSeconds * ray.direction));
-  ball.setCcdMotionThreshold(btScalar(radius));
-  ball.setCcdSweptSphereRadius(btScalar(0.5 * radius));
+  const auto shootInto = [&](scenes::Scene& scene) {
+    btRigidBody& ball = scenes::addBall(scene, ray.at(0.1 * camera_.distance), radius, mass, kBallColour);
+    ball.setLinearVelocity(toBullet(camera_.distance / kSeconds * ray.direction));
+    ball.setCcdMotionThreshold(btScalar(radius));
+    ball.setCcdSweptSphereRadius(btScalar(0.5 * radius));
+  };
+  shootInto(*scene_);
+  if (twin_) {
+    shootInto(twin_->scene());
+    twin_->takeRigidBodies();
+  }
   char text[64];
   std::snprintf(text, sizeof text, "a ball of %.3g kg", mass);
   return text;
@@ -261,6 +327,7 @@ std::string Session::nextScene(const std::string& name) {
 }
 
 std::string Session::apply(Setting setting) {
+  if (isOfBullet(setting)) return {};  // the next tick reads them
   if (setting == Setting::Gravity) {
     applyGravity();
     return {};

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bullet_soft/bullet_twin.h"
 #include "scenes/scene.h"
 #include "window/command.h"
 #include "window/orbit_camera.h"
 #include "window/pace.h"
 #include "window/picking.h"
+#include "window/view_layout.h"
 
 #include <array>
 #include <cstdint>
@@ -58,13 +60,23 @@ class Session {
   const OrbitCamera& camera() const { return camera_; }
   const Hand& hand() const { return hand_; }
   const Pace& pace() const { return pace_; }
+  /// The same scene with Bullet's own soft bodies; nullptr without the split, or if there is bulletProblem().
+  const bullet_soft::BulletTwin* bulletTwin() const { return twin_.get(); }
+  /// Returns why btSoftBody does not play the scene, or an empty string.
+  std::string bulletProblem() const;
+  ViewLayout layout(const WindowSize& window) const;
   std::int64_t ticks() const { return ticks_; }  ///< of all scenes so far
   Energy energy() const;
+  /// Returns a hash of the exact state of all bodies, with the split also of btSoftBody's.
+  std::uint64_t stateHash() const;
 
  private:
   Session() = default;
 
   std::string create(const SceneChoice& choice);
+  void createTwin();
+  void tickTwin();
+  std::string show(const Command& command);
   std::string act(const Command& command);
   std::string grab(const Ray& ray);
   std::string shoot(const Ray& ray);
@@ -86,6 +98,8 @@ class Session {
   OrbitCamera camera_;
   Pace pace_;
   Hand hand_;  // is destroyed before the scene
+  std::unique_ptr<bullet_soft::BulletTwin> twin_;
+  std::string twinProblem_;  // why there is no twin
   std::int64_t ticks_ = 0;
   int sceneNumber_ = 0;
   Listener listener_;

@@ -45,6 +45,23 @@ render::Overlay marksOf(const Session& session) {
   return marks;
 }
 
+/// The same for btSoftBody's view.
+render::Overlay twinMarksOf(const Session& session) {
+  render::Overlay marks;
+  const float size = kMarkShare * static_cast<float>(session.camera().distance);
+  const bullet_soft::BulletTwin& twin = *session.bulletTwin();
+  for (std::size_t b = 0; b < twin.bodyCount(); ++b)
+    for (std::uint32_t i = 0; i < twin.pointCount(b); ++i)
+      if (twin.isPinned(b, i)) render::addCross(marks, toVec3(twin.position(b, i)), size, kPinColour);
+  const Hand& hand = session.hand();
+  if (!hand.soft()) return marks;
+  const render::Vec3 place = toVec3(hand.place());
+  const std::size_t body = indexOf(session.scene(), hand.soft());
+  marks.push_back({toVec3(twin.position(body, hand.point())), place, kPullColour, kPullWidth});
+  render::addCross(marks, place, size, kPullColour, kPullWidth);
+  return marks;
+}
+
 Shot shotOf(const Session& session, double tickFraction) {
   Shot shot;
   shot.camera = session.camera().camera();
@@ -62,29 +79,59 @@ Shot shotOf(const Session& session, double tickFraction) {
 
 }  // namespace
 
+Stage::Pane::Pane(render::GlContext& context, const WindowSize& size)
+    : renderer(context, rendererDesc(context, size)), checker(addCheckerTexture(renderer)) {}
+
+void Stage::Pane::resize(const WindowSize& size) {
+  if (renderer.width() != size.width || renderer.height() != size.height)
+    renderer.resize(size.width, size.height);
+}
+
 Stage::Stage(std::function<void*(const char*)> getProcAddress, const WindowSize& size)
     : context_(render::adoptContext(std::move(getProcAddress), "the window's")),
-      renderer_(std::make_unique<render::Renderer>(*context_, rendererDesc(*context_, size))),
-      checker_(addCheckerTexture(*renderer_)) {}
+      left_(std::make_unique<Pane>(*context_, size)) {}
 
-void Stage::draw(const Session& session, double tickFraction, const WindowSize& size) {
-  if (sceneNumber_ != session.sceneNumber()) {
+/// Follows changes of the scene, of the split and of the window's size.
+void Stage::update(const Session& session, const WindowSize& size) {
+  const bullet_soft::BulletTwin* twin = session.bulletTwin();
+  const bool newScene = sceneNumber_ != session.sceneNumber();
+  sceneNumber_ = session.sceneNumber();
+  if (newScene) {
     view_.reset();
-    view_.emplace(session.scene(), *renderer_, checker_);
-    sceneNumber_ = session.sceneNumber();
+    view_.emplace(session.scene(), left_->renderer, left_->checker);
   }
-  if (renderer_->width() != size.width || renderer_->height() != size.height)
-    renderer_->resize(size.width, size.height);
-  view_->draw(shotOf(session, tickFraction));
-  renderer_->blitTo(0, 0, 0, size.width, size.height);
+  left_->resize(size);
+  if (!newScene && twin == twin_) {
+    if (twin) right_->resize(size);
+    return;
+  }
+  twinView_.reset();
+  twin_ = twin;
+  if (!twin) return;
+  if (!right_) right_ = std::make_unique<Pane>(*context_, size);
+  right_->resize(size);
+  twinView_.emplace(*twin, right_->renderer, right_->checker);
+}
+
+void Stage::draw(const Session& session, double tickFraction, const WindowSize& size, double scale) {
+  const ViewLayout layout = layoutOf(size, session.shows(Layer::Split), session.shows(Layer::Panel), scale);
+  const WindowSize& view = layout.view;
+  update(session, view);
+  Shot shot = shotOf(session, tickFraction);
+  view_->draw(shot);
+  left_->renderer.blitTo(0, layout.left, 0, view.width, view.height);
+  if (!twinView_) return;
+  shot.marks = twinMarksOf(session);
+  twinView_->draw(shot);
+  right_->renderer.blitTo(0, layout.left + view.width, 0, view.width, view.height);
 }
 
 render::Image Stage::readWindow(const WindowSize& size) const {
   render::Image upsideDown, image;
   upsideDown.resize(size.width, size.height);
   image.resize(size.width, size.height);
-  renderer_->gl().ReadPixels(0, 0, size.width, size.height, GL_RGBA, GL_UNSIGNED_BYTE,
-                             upsideDown.rgba.data());
+  left_->renderer.gl().ReadPixels(0, 0, size.width, size.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                                  upsideDown.rgba.data());
   for (int y = 0; y < size.height; ++y)
     std::memcpy(image.pixel(0, y), upsideDown.pixel(0, size.height - 1 - y),
                 4u * static_cast<std::size_t>(size.width));

@@ -3,6 +3,7 @@
 
 #include "scene_renderer.h"
 #include "window/session.h"
+#include "window/twin_view.h"
 
 #include <limber/render/renderer.h>
 
@@ -19,18 +20,31 @@ class Stage {
   /// if the driver lacks something.
   Stage(std::function<void*(const char*)> getProcAddress, const WindowSize& size);
 
-  /// Draws the session at a time between its last two ticks, into the framebuffer of the window.
-  void draw(const Session& session, double tickFraction, const WindowSize& size);
+  /// Draws the session at a time between its last two ticks, into the framebuffer of the window, whose size
+  /// is `size`. With the split each engine has a view; `scale`: pixels for one of the mouse's coordinates.
+  void draw(const Session& session, double tickFraction, const WindowSize& size, double scale);
   /// Returns the window's framebuffer as it is now.
   render::Image readWindow(const WindowSize& size) const;
-  std::string driver() const { return render::describeDriver(renderer_->gl()); }
+  std::string driver() const { return render::describeDriver(left_->renderer.gl()); }
 
  private:
+  /// A renderer of one view.
+  struct Pane {
+    Pane(render::GlContext& context, const WindowSize& size);
+    void resize(const WindowSize& size);
+
+    render::Renderer renderer;
+    render::TextureId checker;
+  };
+
+  void update(const Session& session, const WindowSize& size);
+
   std::unique_ptr<render::GlContext> context_;
-  std::unique_ptr<render::Renderer> renderer_;
-  render::TextureId checker_;
+  std::unique_ptr<Pane> left_, right_;  // right_: nullptr before the first split
   std::optional<SceneView> view_;
-  int sceneNumber_ = 0;  // of the session, that view_ shows
+  std::optional<TwinView> twinView_;
+  const bullet_soft::BulletTwin* twin_ = nullptr;  // that twinView_ shows
+  int sceneNumber_ = 0;                            // of the session, that view_ and twinView_ show
 };
 
 }  // namespace limber::demo

@@ -3,7 +3,7 @@
 #include "engines/engine.h"
 
 #include "accuracy/bodies.h"
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 #include "engines/bullet_soft_engines.h"
 #include "engines/limber_engine.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "engines/body_start.h"
+#include "bullet_soft/body_start.h"
 
 #include <stdexcept>
 
-namespace limber::bench {
+namespace limber::bullet_soft {
 namespace {
 
 Eigen::Matrix3Xd initialPositions(const SpringNetwork& network, const SoftBodySettings& s) {
@@ -58,4 +58,4 @@ BodyStart startOf(const BodySetup& setup) {
   return start;
 }
 
-}  // namespace limber::bench
+}  // namespace limber::bullet_soft

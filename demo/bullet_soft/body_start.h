@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "engines/engine.h"
+#include <limber/soft_body_settings.h>
 
+#include <btBulletDynamicsCommon.h>
+
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace limber::bench {
+#include <cstdint>
+#include <vector>
+
+// What Bullet's own soft bodies need to know of one of Limber's.
+
+namespace limber::bullet_soft {
+
+/// A body of point masses and springs, described for all engines.
+struct BodySetup {
+  SharedNetwork network;
+  SoftBodySettings settings;  ///< stiffness, mass, damping and position; each engine has its own stepping
+  std::vector<std::uint32_t> pins;  ///< points that are held at their initial positions
+  Eigen::Matrix3Xd positions;       ///< 3 x #points, m, or empty: from the settings
+  Eigen::Matrix3Xd velocities;      ///< 3 x #points, m/s, or empty: from the settings
+  double drag = 0.0;                ///< 1/s, slows all motion in engines without dampers along springs
+  bool maySleep = false;            ///< if the engine supports it; otherwise the body is kept awake
+};
 
 /// The initial state of a body and the constants of its springs, computed from a set-up as Limber does, for
 /// other engines.
@@ -28,4 +47,4 @@ inline Eigen::Vector3d fromBullet(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
 }
 
-}  // namespace limber::bench
+}  // namespace limber::bullet_soft

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "engines/bullet_soft_body.h"
+#include "bullet_soft/bullet_soft_body.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
-namespace limber::bench {
+namespace limber::bullet_soft {
 namespace {
 
 /// Orders pinned points last: btDeformable applies its explicit forces to the wrong nodes after a pinned one.
@@ -68,6 +70,27 @@ BulletSoftBody makeBulletSoftBody(const BodySetup& setup, const BodyStart& start
   return soft;
 }
 
+// A step h of implicit Euler with a spring k between two points of inverse masses w removes
+//   k h^2 (wa + wb) / (1 + k h^2 (wa + wb))  of its error; kLST is the corresponding share of one iteration.
+void calibrateLinks(BulletSoftBody& soft, const SpringNetwork& network, const BodyStart& start,
+                    int iterations, double dt) {
+  std::map<btScalar, btSoftBody::Material*> materials;
+  btSoftBody& body = *soft.body;
+  for (int m = 0; m < body.m_materials.size(); ++m)
+    materials.emplace(body.m_materials[m]->m_kLST, body.m_materials[m]);
+  for (int s = 0; s < body.m_links.size(); ++s) {
+    const NetworkSpring& spring = network.springs[static_cast<std::size_t>(s)];
+    const auto inverseMass = [&](std::uint32_t i) { return double(soft.node(i).m_im); };
+    const double stiff = start.stiffnesses[s] * dt * dt * (inverseMass(spring.a) + inverseMass(spring.b));
+    const auto share = static_cast<btScalar>(1.0 - std::pow(1.0 / (1.0 + stiff), 1.0 / iterations));
+    btSoftBody::Material*& material = materials[share];
+    if (!material) material = body.appendMaterial();
+    material->m_kLST = share;
+    body.m_links[s].m_material = material;
+  }
+  body.updateLinkConstants();
+}
+
 Eigen::Matrix3Xd nodePositions(const BulletSoftBody& soft) {
   Eigen::Matrix3Xd all(3, static_cast<Eigen::Index>(soft.nodeOfPoint.size()));
   for (std::uint32_t i = 0; i < soft.nodeOfPoint.size(); ++i) all.col(i) = fromBullet(soft.node(i).m_x);
@@ -89,4 +112,4 @@ void pinNode(const BulletSoftBody& soft, std::uint32_t point, bool pinned) {
   }
 }
 
-}  // namespace limber::bench
+}  // namespace limber::bullet_soft
