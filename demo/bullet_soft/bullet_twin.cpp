@@ -328,6 +328,10 @@ Eigen::Vector3d BulletTwin::position(std::size_t b, std::uint32_t i) const {
   return scenes::fromBullet(bodies_[b].soft.node(i).m_x);
 }
 
+Eigen::Vector3d BulletTwin::center(std::size_t b) const {
+  return nodePositions(bodies_[b].soft).rowwise().mean();
+}
+
 void BulletTwin::writePositions(std::size_t b, float* xyz, double tickFraction) const {
   const BulletSoftBody& soft = bodies_[b].soft;
   for (std::uint32_t i = 0; i < soft.nodeOfPoint.size(); ++i) {

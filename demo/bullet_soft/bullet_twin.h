@@ -69,6 +69,7 @@ class BulletTwin {
   }
   bool isPinned(std::size_t b, std::uint32_t i) const { return bodies_[b].pinned[i]; }
   Eigen::Vector3d position(std::size_t b, std::uint32_t i) const;  ///< m
+  Eigen::Vector3d center(std::size_t b) const;                     ///< m, mean of the points
   /// Writes the places of the points of a body at a time between the last two ticks, x y z for each.
   void writePositions(std::size_t b, float* xyz, double tickFraction) const;
 

@@ -270,6 +270,11 @@ void Play::logStatus() {
   if (session_->scene().soft->bodyCount() == 0) return;
   const SoftBody& body = *session_->scene().soft->body(0);
   const Eigen::Vector3d centre = body.centerOfMass();
+  if (const auto* twin = session_->bulletTwin()) {
+    const Eigen::Vector3d other = twin->center(0);
+    logLine("tick %lld: btSoftBody's body 0 at %.3f %.3f %.3f, tick %.2f ms", ticks(), other.x(), other.y(),
+            other.z(), history_.meanTwinMs());
+  }
   const ViewLayout layout = session_->layout(window_.size());
   const std::optional<Pixel> pixel = session_->camera().pixelOf(centre, layout.view);
   if (!pixel) return;

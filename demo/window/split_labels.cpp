@@ -52,6 +52,10 @@ void drawSplitLabels(const Session& session, const History& history, const Windo
   }
   list.AddLine({left + width, 0.0f}, {left + width, bottom}, kLabelText, 2.0f);
   const bullet_soft::BulletTwin& twin = *session.bulletTwin();
+  if (!session.shows(Layer::Panel)) {
+    drawLabel(left + kLabelMargin, "Limber");
+    return drawLabel(left + width + kLabelMargin, "btSoftBody");
+  }
   drawLabel(left + kLabelMargin, textOf("Limber", history.meanMs(), twin.figuresOf(session.scene())));
   drawLabel(left + width + kLabelMargin, textOf("btSoftBody", history.meanTwinMs(), twin.figures()));
 }

@@ -135,6 +135,18 @@ TEST(Recording, pausesAndSlowMotionTakeTheirTimeInTheWindow) {
   EXPECT_EQ(stateOf(**session, true).hash, played(*recording, problem));
 }
 
+TEST(Recording, theSplitIsPartOfTheStateAndIsReplayedToTheBit) {
+  const std::string commands = "0 show split 1\n5 set bt-iterations 4\n10 shoot 0 1 6 0 -0.1 -1\n";
+  const Result<Recording> split = parseRecording(kHead + commands + "60 release\n", "a.rec");
+  const Result<Recording> without =
+      parseRecording(kHead + commands + "20 show split 0\n60 release\n", "a.rec");
+  ASSERT_TRUE(split && without);
+  std::string problem;
+  const std::uint64_t hash = played(*split, problem);
+  EXPECT_EQ(played(*split, problem), hash);
+  EXPECT_NE(played(*without, problem), hash);
+}
+
 TEST(LineFile, unwritableOnesAreRefusedByName) {
   EXPECT_NE(LineFile::create("/dev/null/a.rec").error().find("/dev/null/a.rec"), std::string::npos);
   Result<LineFile> full = LineFile::create("/dev/full");

@@ -139,6 +139,93 @@ TEST(Session, touchingBodiesHaveTheColourOfTheirIslandAndOthersDiffer) {
   EXPECT_TRUE(same(islandColours(*apart)[0], islandColours(*apart)[1])) << "asleep: grey";
 }
 
+double heightOf(const bullet_soft::BulletTwin& twin, std::size_t body) { return twin.center(body).y(); }
+
+std::unique_ptr<Session> splitOf(const char* scene, std::uint32_t count = 1) {
+  auto session = sessionOf(scene, count);
+  session->perform({Action::Show, {1.0}, "split"});
+  return session;
+}
+
+TEST(Split, bothEnginesBeginAlikeAndFall) {
+  const auto session = sessionOf("cubes", 2);
+  ticks(*session, 20);
+  session->perform({Action::Show, {1.0}, "split"});
+  const bullet_soft::BulletTwin& twin = *session->bulletTwin();
+  ASSERT_EQ(twin.bodyCount(), 2u);
+  for (std::uint32_t i = 0; i < twin.pointCount(1); ++i)
+    EXPECT_TRUE(twin.position(1, i).isApprox(session->scene().soft->body(1)->position(i), 1e-5)) << i;
+  const double start = heightOf(twin, 0);
+  ticks(*session, 12);
+  EXPECT_NEAR(heightOf(twin, 0), session->scene().soft->body(0)->centerOfMass().y(), 0.03) << "free fall";
+  EXPECT_LT(heightOf(twin, 0), start - 0.15);
+  EXPECT_GT(twin.tickMs(), 0.0);
+  ticks(*session, 300);
+  EXPECT_NEAR(heightOf(twin, 0), 0.5, 0.1) << "on the floor";
+}
+
+TEST(Split, theSameScenesArePlayedAndTheOthersSayWhyNot) {
+  for (const char* scene : {"cubes", "cloth", "rope", "pile", "stack", "curtain", "flag"}) {
+    const auto session = splitOf(scene, std::string(scene) == "cloth" ? 0 : 2);
+    ASSERT_TRUE(session->bulletTwin()) << scene << ": " << session->bulletProblem();
+    ticks(*session, 20);
+    EXPECT_EQ(session->bulletProblem(), "") << scene;
+    EXPECT_GT(session->bulletTwin()->figures().kinetic, 0.0) << scene;
+    EXPECT_LT(session->bulletTwin()->figures().stretch, 0.2) << scene;
+  }
+  for (const auto& [scene, reason] : {std::pair("pool", "btSoftBody has no water that carries bodies"),
+                                      std::pair("tear", "btSoftBody has no springs that break")}) {
+    const auto session = splitOf(scene, 0);
+    EXPECT_FALSE(session->bulletTwin()) << scene;
+    EXPECT_EQ(session->bulletProblem(), reason);
+  }
+}
+
+TEST(Split, followsPullsPinsBallsAndSettings) {
+  const auto session = splitOf("cubes");
+  const bullet_soft::BulletTwin& twin = *session->bulletTwin();
+  ticks(*session, 60);
+  const Eigen::Vector3d start = centreOf(*session);
+  session->perform(rayCommand(Action::Grab, rayTo(*session, start)));
+  session->perform(rayCommand(Action::Drag, rayTo(*session, start + Eigen::Vector3d(0.8, 0.5, 0.0))));
+  const std::uint32_t held = session->hand().point();
+  ticks(*session, 120);
+  EXPECT_LT((twin.position(0, held) - session->hand().place()).norm(), 0.2);
+  session->perform(plain(Action::Release));
+  session->perform(rayCommand(Action::Pin, rayTo(*session, centreOf(*session))));
+  session->perform(rayCommand(Action::Shoot, {{0, 0.3, 5}, {0, 0, 1}}));
+  session->perform({Action::Set, {20.0}, "bt-iterations"});
+  session->perform({Action::Set, {0.5}, "bt-stiffness"});
+  ticks(*session, 1);
+  bool anyPinned = false;
+  for (std::uint32_t i = 0; i < twin.pointCount(0); ++i) anyPinned = anyPinned || twin.isPinned(0, i);
+  EXPECT_TRUE(anyPinned);
+  EXPECT_EQ(twin.body(0).m_cfg.piterations, 20);
+  EXPECT_FLOAT_EQ(float(twin.body(0).m_links[0].m_material->m_kLST), 0.5f);
+  EXPECT_EQ(twin.scene().world->movables.size(), session->scene().world->movables.size());
+}
+
+TEST(Split, theRightHalfHasTheSameRaysAndOnlyOrbits) {
+  const auto session = splitOf("cubes");
+  Controls controls(*session, kSize);
+  const ViewLayout layout = session->layout(kSize);
+  const Pixel cube = *session->camera().pixelOf(centreOf(*session), layout.view);
+  controls.move({cube.x + layout.left + layout.view.width, cube.y});
+  controls.press(Button::Left, {});
+  EXPECT_FALSE(session->hand().holds());
+  controls.release(Button::Left);
+  controls.move({cube.x + layout.left, cube.y});
+  controls.press(Button::Left, {});
+  EXPECT_TRUE(session->hand().holds());
+}
+
+TEST(Split, aCutEndsIt) {
+  const auto session = splitOf("cloth", 0);
+  ASSERT_TRUE(session->scene().soft->body(0)->cut(scenes::toBullet(centreOf(*session)), btVector3(1, 0, 0)));
+  ticks(*session, 2);
+  EXPECT_EQ(session->bulletProblem(), "btSoftBody cannot be cut or torn like this");
+}
+
 TEST(Session, windBlowsWhereItIsTold) {
   const auto session = sessionOf("flag");
   EXPECT_GT(session->settings()[Setting::Wind], 5.0);

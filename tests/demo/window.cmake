@@ -5,6 +5,7 @@ demo_run(replay_with_scene unit 2 "--scene has no meaning with --replay" --repla
 demo_run(window_with_out unit 2 "--out has no meaning with --window" --window --out a)
 demo_run(unknown_setting unit 2 "there is no setting wobble" --window --set wobble=1)
 demo_run(large_setting unit 2 "gravity is 99, must be from 0 to 30" --window --set gravity=99)
+demo_run(split_without_window unit 2 "--split requires --window" --split)
 demo_run(missing_replay unit 1 "cannot read no_such.rec" --mode none --replay no_such.rec)
 if(NOT LIMBER_WINDOW)
   demo_run(no_window unit 1 "libglfw3-dev and libimgui-dev" --window)

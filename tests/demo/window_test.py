@@ -2,7 +2,7 @@
 """Plays with the demo's window as a user does: python3 window_test.py limber-demo FOLDER
 
 It pulls a cube, pauses, moves a slider, shoots, pins, cuts, goes to the next scene and closes the window; then
-it replays the recording without a display. It waits for lines of the program's log, never for a time. The exit
+it replays the recording without a display, and another one with btSoftBody beside it in a window. It waits for lines of the program's log, never for a time. The exit
 code is 77 if Xvfb or libxtst6 is not installed.
 """
 import math
@@ -156,6 +156,35 @@ def play(program, folder, server):
     print(f"stiffness x {factor}; {log.lines()[-1]}")
 
 
+def play_split(program, folder, server):
+    """btSoftBody beside Limber, islands, a pause and slow motion: a replay in the window ends with the same picture."""
+    recording, log_file = folder / "split.recording", folder / "split.log"
+    pictures = [folder / "split.png", folder / "split-again.png"]
+    log_file.unlink(missing_ok=True)
+    environment = dict(os.environ, DISPLAY=server.name)
+    command = [program, "--window", "--split", "--count", "2", "--size", "480x320", "--record", recording, "--log",
+               log_file, "--picture", pictures[0]]
+    run = subprocess.Popen(command, env=environment)
+    log, mouse = Log(log_file, run), x_client.Client(server)
+    try:
+        log.wait(r"tick \d+: body 0 at")
+        for key, line in [("h", "show panel 0"), ("7", "show islands 1"), (" ", "pause 1"), (".", ": tick$"),
+                          (" ", "pause 0"), ("m", "speed 0.25")]:
+            mouse.press(key)
+            log.wait(line)
+        after = rf"btSoftBody's body 0 at {NUMBER} {NUMBER} {NUMBER}"
+        start = numbers(log.wait(after))
+        log.wait_new(after, lambda match: numbers(match)[1] < start[1])  # it falls, too
+        mouse.press("q")
+        assert run.wait(PATIENCE) == 0, f"exit code {run.returncode}"
+    finally:
+        run.kill()
+        run.wait()
+    assert re.search(r" wait \d+", recording.read_text()), "no pause was recorded"
+    subprocess.run([program, "--window", "--replay", recording, "--picture", pictures[1]], env=environment, check=True)
+    assert pictures[0].read_bytes() == pictures[1].read_bytes(), "the replay ends with another picture"
+
+
 def main():
     if x_client.missing():
         print("not installed: " + " ".join(x_client.missing()))
@@ -165,6 +194,7 @@ def main():
     server = x_client.Server()
     try:
         play(program, folder, server)
+        play_split(program, folder, server)
     finally:
         server.stop()
     return 0
