@@ -44,6 +44,7 @@ class Writer {
   void user(int frames);
   void surroundings(int frames);
   void changes(int frames);
+  void joins(int frames);
   void userStep(int at);
   bool mayBePulled(int soft) const;
   void userOnPoints(Step& step);
@@ -446,6 +447,7 @@ void Writer::user(int frames) {
   for (const int at : when) userStep(at);
   surroundings(frames);
   changes(frames);
+  joins(frames);
 }
 
 /// Has dice of its own, so that the rest of a story does not depend on it.
@@ -482,6 +484,21 @@ void Writer::changes(int frames) {
         .set("rotation", dice.ball(3.0));
     // a copy within its original has thousands of contacts
     if (s.choice("what") == "clone") s.set("by", Vector3d(0, 4, 0) + dice.ball(1.0));
+    if (dice.chance(0.3)) s.phase = dice.of({Phase::Action, Phase::PreTick, Phase::Listener});
+    story_.steps.push_back(s);
+  }
+}
+
+/// Has dice of its own, too.
+void Writer::joins(int frames) {
+  Dice dice(story_.seed + 0x901d);
+  for (int i = dice.of({0, 0, 0, 1, 2, 4}); i > 0; --i) {
+    Step s(Kind::Change, dice.chance(0.3) ? 0 : dice.below(frames));
+    s.choose("what", dice.of({"weld", "grab", "grab", "load", "filter", "filter"}));
+    s.set("of", softs_[static_cast<std::size_t>(dice.below(int(softs_.size())))])
+        .set("variant", dice.below(500))
+        .set("factor", dice.decades(0.1, 10));
+    s.set("by", dice.ball(dice.of({0.1, 1.0, 4.0})));
     if (dice.chance(0.3)) s.phase = dice.of({Phase::Action, Phase::PreTick, Phase::Listener});
     story_.steps.push_back(s);
   }

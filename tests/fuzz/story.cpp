@@ -178,7 +178,9 @@ std::vector<KindInfo> userKinds() {
       {"change",
        {reference("of"),
         choice("what",
-               "settings place motion reset push pin save restore clone cut blade bones release present"),
+               "settings place motion reset push pin save restore clone cut blade bones release present weld "
+               "grab load "
+               "filter"),
         number("variant"), number("factor", 1), vector("by", kLength), axial("spin", kSpin),
         rotation("rotation")}}};
 }

@@ -2,6 +2,7 @@
 // The user changes soft bodies as a whole: settings, place, motion, saved states.
 #include "fuzz/world_player.h"
 
+#include <limber/contact_filter.h>
 #include <limber/contacts.h>
 #include <limber/skeleton.h>
 
@@ -100,6 +101,88 @@ void WorldPlayer::changeSoft(const Step& s) {
     carrySoft(*body, s, what == "release");
   else if (what == "present")
     static_cast<void>(body->presentNetwork());
+  else
+    joinSoft(*body, s, point);
+}
+
+namespace {
+
+/// Rejects, reports, turns, carries or loads contacts, by their triangle and place alone.
+ContactFilter filterOf(int variant, const btVector3& by) {
+  return [variant, by](ContactCandidate& c) {
+    switch (variant % 6) {
+      case 0:
+        if (c.otherTriangle % 2 == 0) c.response = ContactResponse::Ignore;
+        break;
+      case 1:
+        if (c.position.x() > by.x()) c.response = ContactResponse::Report;
+        break;
+      case 2:
+        c.facing = by;
+        break;
+      case 3:
+        c.surfaceVelocity = by;
+        break;
+      case 4:
+        c.massFactor = 1e3, c.otherMassFactor = 1e-3;
+        break;
+      default:
+        c.friction = 2.0, c.restitution = 0.9;
+    }
+  };
+}
+
+/// A plain world of its own.
+struct SpareWorld {
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+};
+
+}  // namespace
+
+/// Writes all bodies of a system, and reads and steps them in another world.
+void WorldPlayer::loadElsewhere(SoftBodySystem& system) {
+  SpareWorld spare;
+  SoftBodySystem other(spare.world);
+  const auto loaded = other.loadBodies(system.saveBodies());
+  if (!loaded) return fail("loads", loaded.error());
+  std::size_t living = 0;
+  for (std::size_t b = 0; b < system.bodyCount(); ++b) living += system.body(b)->alive() ? 1u : 0u;
+  if (loaded->size() != living)
+    return fail("loads", std::to_string(loaded->size()) + " of " + std::to_string(living) + " bodies");
+  spare.world.stepSimulation(btScalar(1.0 / 60.0), 0, btScalar(1.0 / 60.0));
+}
+
+void WorldPlayer::weldSoft(SoftBody& body, const Step& s) {
+  SpringSettings settings;
+  settings.stiffness = 100.0 * s["factor"];
+  settings.breakForce = s.whole("variant") % 2 ? 10.0 * s["factor"] : 0.0;
+  for (const auto& [id, object] : softs_)
+    if (SoftBody* other = livingSoft(id);
+        other && other != &body && object.system == soft(s.whole("of"))->system)
+      return static_cast<void>(systemOf(object.system)->weld(&body, other, 0.3 * s["factor"], settings));
+}
+
+void WorldPlayer::joinSoft(SoftBody& body, const Step& s, std::uint32_t point) {
+  const int id = s.whole("of");
+  const std::string& what = s.choice("what");
+  SoftBodySystem& system = *systemOf(soft(id)->system);
+  if (what == "weld") {
+    weldSoft(body, s);
+  } else if (what == "grab" && grabs_.count(id)) {
+    if (s.whole("variant") % 3 == 0) return static_cast<void>(grabs_.erase(id));
+    grabs_[id].moveTo(toBt(body.centerOfMass() + s.vec("by")));
+  } else if (what == "grab") {
+    if (auto held = grab(system, &body, point)) grabs_[id] = std::move(*held);
+  } else if (what == "load" && phase_ == Phase::Between) {
+    loadElsewhere(system);
+  } else if (what == "filter") {
+    system.setContactFilter(s.whole("variant") % 4 ? filterOf(s.whole("variant"), toBt(s.vec("by")))
+                                                   : ContactFilter());
+  }
 }
 
 /// Binds every third point to a bone that is first at the body's place, some with limits; then moves the

@@ -113,6 +113,9 @@ class WorldPlayer {
   void surround(const Step& step);
   void changeSoft(const Step& step);
   void carrySoft(SoftBody& body, const Step& step, bool release);
+  void joinSoft(SoftBody& body, const Step& step, std::uint32_t point);
+  void weldSoft(SoftBody& body, const Step& step);
+  void loadElsewhere(SoftBodySystem& system);
   void pushSoft(SoftBody& body, const Step& step, std::uint32_t point);
   void destroy(const Step& step);
   void destroySoft(int id, const std::string& how, std::uint32_t point);
@@ -180,6 +183,7 @@ class WorldPlayer {
   std::vector<std::uint64_t> fields_;               ///< numbers of fields that were added
   std::map<int, std::vector<std::uint8_t>> saved_;  ///< states of soft bodies, by their ids
   std::map<int, Skeleton> skeletons_;               ///< by the ids of their bodies
+  std::map<int, Grab> grabs_;                       ///< by the ids of their bodies
 };
 
 }  // namespace limber::fuzz
