@@ -143,6 +143,24 @@ constexpr int kActionModes =
 
 }  // namespace
 
+namespace {
+
+constexpr render::Vec3 kWaterLine{0.10f, 0.42f, 0.72f};
+constexpr int kWaterLines = 12;
+
+/// Adds the surface of the water within a box, as a net of lines.
+void addWater(render::Overlay& lines, double level, const Eigen::AlignedBox3d& box) {
+  for (int i = 0; i <= kWaterLines; ++i) {
+    const double share = static_cast<double>(i) / kWaterLines;
+    const double x = box.min().x() + share * box.sizes().x(), z = box.min().z() + share * box.sizes().z();
+    const auto at = [level](double px, double pz) { return toVec3(Eigen::Vector3d(px, level, pz)); };
+    lines.push_back({at(x, box.min().z()), at(x, box.max().z()), kWaterLine});
+    lines.push_back({at(box.min().x(), z), at(box.max().x(), z), kWaterLine});
+  }
+}
+
+}  // namespace
+
 SceneOverlay::SceneOverlay(const scenes::Scene& scene) : scene_(scene) {
   drawer_.contactSize = static_cast<float>(kContactSize * viewRadius(scene.view));
 }
@@ -158,6 +176,8 @@ render::Overlay& SceneOverlay::draw(const OverlayChoice& choice, render::Vec3 ey
     world.setDebugDrawer(nullptr);
     if ((mode & kActionModes) == 0) scene_.soft->debugDraw(drawer_);
   }
+  if (const std::optional<Water>& water = scene_.soft->water())
+    addWater(drawer_.overlay, water->level, scene_.view.box);
   if (choice.velocities) {
     for (std::size_t b = 0; b < scene_.soft->bodyCount(); ++b)
       view::addVelocities(drawer_.overlay, *scene_.soft->body(b), kVelocityArrows, eye);
@@ -234,8 +254,7 @@ void SceneView::draw(const Shot& shot) {
   lines.insert(lines.end(), shot.marks.begin(), shot.marks.end());
   render::Light light = lightOf(scene_.view);
   light.shadows = shot.shadows;
-  renderer_.draw(frame, shot.camera, light,
-                 drawOptions(shot, renderer_.quality()), lines);
+  renderer_.draw(frame, shot.camera, light, drawOptions(shot, renderer_.quality()), lines);
 }
 
 namespace {
