@@ -17,9 +17,7 @@ void TwinView::addBodies(render::TextureId checker) {
   for (std::size_t b = 0; b < twin_.bodyCount(); ++b) {
     const SoftBody& body = *twin_.scene().soft->body(b);
     const view::SoftLook look = looks(body);
-    render::ShapeDesc desc = view::shapeOf(body, look.shading);
-    desc.hideBackFaces = look.hideBackFaces;
-    shapes_.push_back(renderer_.addShape(desc));
+    shapes_.push_back(renderer_.addShape(view::shapeOf(body, look)));
     instances_.push_back(renderer_.addInstance(shapes_.back(), look.instance));
   }
 }

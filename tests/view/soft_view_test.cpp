@@ -137,5 +137,18 @@ TEST_F(SoftViewTest, BothProcessorsPutTheVerticesWhereTheBodySaysTheyAre) {
   }
 }
 
+TEST_F(SoftViewTest, EdgesAreSharpWhereTheBodyAtRestBendsMore) {
+  const SoftBody* box = add(cube, 1.0);
+  SoftLook look;
+  EXPECT_EQ(normalCount(shapeOf(*box, look)), 8u);
+  look.sharpAngle = 0.75f;
+  EXPECT_EQ(normalCount(shapeOf(*box, look)), 24u);
+  look.sharpAngle = 2.0f;
+  EXPECT_EQ(normalCount(shapeOf(*box, look)), 8u);
+  const SoftBody* ball = add(skinnedBall(SkinKind::Dense), 3.0);
+  look.sharpAngle = 0.75f;
+  EXPECT_EQ(normalCount(shapeOf(*ball, look)), ball->skinnedPointCount());
+}
+
 }  // namespace
 }  // namespace limber::view

@@ -247,6 +247,14 @@ bool visible(const SoftBody& body) { return body.alive() && body.pointCount() > 
 
 }  // namespace
 
+render::ShapeDesc shapeOf(const SoftBody& body, const SoftLook& look) {
+  render::ShapeDesc desc = shapeOf(body, look.shading);
+  desc.hideBackFaces = look.hideBackFaces;
+  if (look.shading == render::Shading::Smooth && look.sharpAngle > 0.0f && !desc.triangles.empty())
+    render::sharpenEdges(desc, restPlaces(body), look.sharpAngle);
+  return desc;
+}
+
 SoftView::SoftView(render::Renderer& renderer, const SoftBodySystem& system, Look look)
     : renderer_(renderer), system_(system), look_(std::move(look)) {
   update();
@@ -312,11 +320,7 @@ std::size_t SoftView::shapeFor(const SoftBody& body, const SoftLook& look) {
         shape.hideBackFaces == look.hideBackFaces && shape.sharpAngle == look.sharpAngle)
       return s;
   }
-  render::ShapeDesc desc = shapeOf(body, look.shading);
-  desc.hideBackFaces = look.hideBackFaces;
-  if (look.shading == render::Shading::Smooth && look.sharpAngle > 0.0f && !desc.triangles.empty())
-    render::sharpenEdges(desc, restPlaces(body), look.sharpAngle);
-  const render::ShapeId id = renderer_.addShape(desc);
+  const render::ShapeId id = renderer_.addShape(shapeOf(body, look));
   if (unused == shapes_.size()) shapes_.emplace_back();
   shapes_[unused] = {body.sharedNetwork(), body.settings().scale, radius, look.shading,
                      look.hideBackFaces,   look.sharpAngle,       id,     0};

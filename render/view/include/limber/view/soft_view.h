@@ -34,6 +34,9 @@ struct SoftLook {
   float sharpAngle = 0.0f;
 };
 
+/// Returns the shape with all of a look, but for what each instance has of its own.
+render::ShapeDesc shapeOf(const SoftBody& body, const SoftLook& look);
+
 /// Shows the soft bodies of a system. Bodies of one network, scale and point radius share a shape and are
 /// drawn together. Renderer and system must outlive it. Thread rule: use it on the renderer's thread, and not
 /// while the world is stepped.
