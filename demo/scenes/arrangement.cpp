@@ -35,6 +35,10 @@ Eigen::Vector3f variedColour(std::size_t i, Random& random) {
   return (paletteColour(i) * factor).cwiseMin(1.0f);
 }
 
+DropGridSettings dropGridOf(std::uint32_t count, double size, double radius) {
+  return {count, 2.5 * radius, 1.5 * radius, 1.5 * radius + 2.0 * size};
+}
+
 std::uint32_t gridColumns(std::uint32_t count) {
   std::uint32_t columns = 1;
   while (std::uint64_t(columns) * columns < count) ++columns;

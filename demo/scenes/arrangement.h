@@ -15,7 +15,7 @@ namespace limber::scenes {
 /// that of its distributions, so the conversion is done here.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  explicit Random(std::uint64_t start) : engine_(start) {}
 
   /// Uniform in [0, 1).
   double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
@@ -45,6 +45,10 @@ struct DropGridSettings {
   double lowest = 1.0;   ///< m, height of the lowest centre
   double highest = 2.0;  ///< m
 };
+
+/// Returns a grid for bodies of this size and radius (m), whose neighbours do not touch, whatever their
+/// rotation.
+DropGridSettings dropGridOf(std::uint32_t count, double size, double radius);
 
 /// Returns the number of columns of a square grid for `count` bodies.
 std::uint32_t gridColumns(std::uint32_t count);

@@ -33,31 +33,16 @@ DroppedShape measure(SharedNetwork network, const std::optional<double>& scale) 
   return shape;
 }
 
-void addFloorAndView(Scene& scene, const DroppedShape& shape, const DropGridSettings& grid,
-                     double drawnHeight) {
-  const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + shape.radius;
-  addFloor(scene, 1.5 * half + 8.0 * shape.size, drawnHeight);
-  const Eigen::Vector3d halfView(half, 0.0, half);
-  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 1.5 * shape.size, 0.0));
-  scene.view.direction = {0.4, 0.55, 1.0};
-}
-
 /// Fills the scene with `count` bodies over the floor.
 std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptions& options,
                        std::uint32_t defaultCount, SoftBodySettings settings) {
   Random random(options.seed);
-  DropGridSettings grid;
-  grid.count = options.count.value_or(defaultCount);
-  // neighbours do not touch, whatever their rotation
-  grid.spacing = 2.5 * shape.radius;
-  grid.lowest = 1.5 * shape.radius;
-  grid.highest = 1.5 * shape.radius + 2.0 * shape.size;
-
+  const DropGridSettings grid = dropGridOf(options.count.value_or(defaultCount), shape.size, shape.radius);
   settings.scale.setConstant(shape.scale);
   apply(options, settings);
   BodyLook look;
   look.smooth = sharpestBend(*shape.network) < kSmoothBend;
-  addFloorAndView(scene, shape, grid, pointRadius(*shape.network, settings));
+  addDropFloor(scene, grid, shape.size, shape.radius, pointRadius(*shape.network, settings));
 
   std::size_t index = 0;
   for (const Placement& placement : dropGrid(grid, random)) {

@@ -87,15 +87,6 @@ Result<std::vector<SoftBodySettings>> settingsOf(const DroppedMesh& mesh, const 
   return all;
 }
 
-void addFloorAndView(Scene& scene, const DroppedMesh& mesh, const DropGridSettings& grid,
-                     double drawnHeight) {
-  const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + mesh.radius;
-  addFloor(scene, 1.5 * half + 8.0 * mesh.size, drawnHeight);
-  const Eigen::Vector3d halfView(half, 0.0, half);
-  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 1.5 * mesh.size, 0.0));
-  scene.view.direction = {0.4, 0.55, 1.0};
-}
-
 /// Returns the height (m) at which the floor is drawn. Points rest a radius above it, as the drawn surfaces
 /// of solids do; ropes are drawn with their radius, and cloths would flicker in a floor at their own height.
 double drawnHeight(const CookedBody& body, const SoftBodySettings& settings) {
@@ -109,12 +100,10 @@ std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions
   Result<std::vector<SoftBodySettings>> settings = settingsOf(mesh, options);
   if (!settings) return settings.error();
   Random random(options.seed);
-  DropGridSettings grid;
-  grid.count = options.count.value_or(usualCount(mesh.cooked));
-  grid.spacing = 2.5 * mesh.radius;  // neighbours do not touch, whatever their rotation
-  grid.lowest = 1.5 * mesh.radius;
-  grid.highest = 1.5 * mesh.radius + 2.0 * mesh.size;
-  addFloorAndView(scene, mesh, grid, drawnHeight(mesh.cooked.bodies.front(), settings->front()));
+  const DropGridSettings grid =
+      dropGridOf(options.count.value_or(usualCount(mesh.cooked)), mesh.size, mesh.radius);
+  addDropFloor(scene, grid, mesh.size, mesh.radius,
+               drawnHeight(mesh.cooked.bodies.front(), settings->front()));
   std::size_t index = 0;
   for (const Placement& placement : dropGrid(grid, random)) {
     BodyLook look;

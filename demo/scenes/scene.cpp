@@ -128,6 +128,15 @@ void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction
   scene.floor = {drawnHeight, halfSize};
 }
 
+void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, double radius,
+                  double drawnHeight) {
+  const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + radius;
+  addFloor(scene, 1.5 * half + 8.0 * size, drawnHeight);
+  const Eigen::Vector3d halfView(half - 0.2 * size, 0.0, half - 0.2 * size);
+  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 0.9 * size, 0.0));
+  scene.view.direction = {0.4, 0.5, 1.0};
+}
+
 std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,
                     const BodyLook& look) {
   const Result<SoftBody*> body = scene.soft->createBody(std::move(network), settings);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "scenes/arrangement.h"
+
 #include <limber/cook.h>
 #include <limber/limber.h>
 #include <limber/soft_body_system.h>
@@ -175,6 +177,9 @@ using SceneResult = Result<std::unique_ptr<Scene>>;
 /// Adds the floor: a box with its top at y = 0, drawn at the height `drawnHeight`. Point masses are spheres,
 /// so a resting surface is one radius above the floor; drawing the floor at that height closes the gap.
 void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction = 0.5);
+
+/// Adds the floor below bodies of this size and radius (m) that fall in a grid, and frames them.
+void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, double radius, double drawnHeight);
 
 /// Adds a body. Returns the reason of a failure, or an empty string.
 std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,
