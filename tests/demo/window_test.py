@@ -64,7 +64,7 @@ def pull_cube(mouse, log):
     log.wait(r"grab .*: body 0 point", after=before)
     begin = numbers(log.wait(rf"held at {NUMBER} {NUMBER} {NUMBER}", after=before))
     for step in range(1, 11):
-        mouse.move(x + 15 * step, y - 8 * step)
+        mouse.move(x + 25 * step, y - 12 * step)
 
     def follows(match):
         at = numbers(match)
