@@ -158,8 +158,8 @@ class SoftBodySystem {
   Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, const btVector3& pivot,
                       double breakForce = 0.0);
   Result<void> attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body, double breakForce = 0.0);
-  /// Attaches several points, as an edge or a patch, where they are. Each holds `breakForce`. With an error
-  /// none is attached.
+  /// Attaches several points, as an edge or a patch, where they are. Each holds `breakForce` (N, 0: for
+  /// ever). Errors, with none attached: those above, also for a point that is in `points` twice.
   Result<void> attach(SoftBody* softBody, const std::vector<std::uint32_t>& points, btRigidBody& body,
                       double breakForce = 0.0);
   /// Detaches an attached point. Errors: no such soft body, a point that is not attached.

@@ -126,6 +126,7 @@ double bobbingPhase(const WaterPlane& plane, double area, double mass, double ti
 
 /// The forces of the water on a body as a whole.
 struct Lift {
+  double area = 0.0;                     ///< m^2, of the plane inside the body
   double mass = 0.0;                     ///< kg, of the points that are not held
   Vector3d center = Vector3d::Zero();    ///< m, of that mass
   double wetMass = 0.0;                  ///< kg, of the points that the water acts on
@@ -157,10 +158,10 @@ Lift liftOf(const PointState& s, const Points& force) {
 
 /// Returns the share of the water's forces that act where the pressure is. Forces that may move the wet part
 /// of a light body by much of its size within a tick change faster than once a tick: they crush the body, or
-/// shake it for ever. `area` (m^2): of the plane inside the body.
-double localShare(const Lift& lift, const WaterPlane& plane, double area, double tick) {
+/// shake it for ever.
+double localShare(const Lift& lift, const WaterPlane& plane, double tick) {
   const double across = std::pow(lift.sum.norm() / plane.weight, 2.0 / 3.0);
-  const double phase = bobbingPhase(plane, std::max(area, across), lift.wetMass, tick);
+  const double phase = bobbingPhase(plane, std::max(lift.area, across), lift.wetMass, tick);
   return std::clamp((kMaxLocalPhase - phase) / (0.5 * kMaxLocalPhase), 0.0, 1.0);
 }
 
@@ -202,11 +203,13 @@ WaterPlane planeAt(const Points& position, WaterPlane plane) {
 }
 
 /// Sets the forces of the water on a closed body at the predicted places.
-Lift setBuoyancy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double& area) {
+Lift setBuoyancy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane) {
   medium.force.setZero();
-  area =
+  const double area =
       addBuoyancy(body.model->parts.closed, medium.predicted, planeAt(medium.predicted, plane), medium.force);
-  return liftOf(body.state, medium.force);
+  Lift lift = liftOf(body.state, medium.force);
+  lift.area = area;
+  return lift;
 }
 
 /// Sets the forces of the water on a closed body. A light body also has the inertia of the water that it
@@ -214,18 +217,20 @@ Lift setBuoyancy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane
 /// above of otherwise.
 Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
   Bobbing bobbing;
-  Lift lift = setBuoyancy(body, medium, plane, bobbing.area);
+  Lift lift = setBuoyancy(body, medium, plane);
+  bobbing.area = lift.area;
   const bool above = !(lift.wetMass > 0.0);
-  if (!above) bobbing.local = localShare(lift, plane, bobbing.area, tick);
+  if (!above) bobbing.local = localShare(lift, plane, tick);
   const double steady = above ? 1.0 : 1.0 - bobbing.local;
   if (steady == 0.0) return bobbing;
   const Vector3d gravity = toEigen(body.world->getGravity());
   if (!above) bobbing.own = lift.mass / (lift.mass + steady * 0.5 * lift.sum.norm() / gravity.norm());
   medium.predicted.colwise() += 0.25 * tick * tick * bobbing.own * steady * gravity;
-  lift = setBuoyancy(body, medium, plane, bobbing.area);
+  lift = setBuoyancy(body, medium, plane);
+  bobbing.area = lift.area;
   if (!(lift.wetMass > 0.0)) return bobbing;
   if (above) {
-    bobbing.local = localShare(lift, plane, bobbing.area, tick);
+    bobbing.local = localShare(lift, plane, tick);
     medium.force.setZero();
   }
   steadyForces(body, lift, plane, tick, medium.force, bobbing);
