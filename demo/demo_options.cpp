@@ -38,7 +38,7 @@ struct CommandLine {
   bool noVideo = false;
   bool noPreview = false;
   std::string size = "960x540";
-  std::string mode = "shaded", quality = "gallery";
+  std::string mode = "shaded", quality;
   std::string camera, overlay, context;
   std::string feel = "rubber";
   std::vector<std::string> settings;
@@ -91,7 +91,7 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
       ->check(pictureSize());
   app.add_option("--mode", line.mode, "shaded, wireframe (springs coloured by strain) or none (no pictures)")
       ->check(CLI::IsMember({"shaded", "wireframe", "none"}));
-  app.add_option("--quality", line.quality, "of the pictures: gallery (default), or fast as in the window")
+  app.add_option("--quality", line.quality, "gallery (default of pictures) or fast (default of the window)")
       ->check(CLI::IsMember({"gallery", "fast"}));
   line.out = app.add_option("--out", o.outFolder, "folder of the pictures (default out/SCENE)");
   app.add_option("--stats", o.statsFile, "write the figures of the run to this JSON file");
@@ -175,6 +175,7 @@ void complete(CommandLine& line) {
                                                      {"foam", scenes::Feel::Foam},
                                                      {"stiff", scenes::Feel::Stiff}};
   o.mode = modes.at(line.mode);
+  if (line.quality.empty()) line.quality = o.window.open ? "fast" : "gallery";
   o.quality = line.quality == "fast" ? render::Quality::Fast : render::Quality::Gallery;
   o.sceneOptions.feel = feels.at(line.feel);
   if (line.braces) o.sceneOptions.cook.mode = CookMode::Braces;

@@ -13,11 +13,12 @@ namespace limber::demo {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-constexpr float kSharpAngle =
-    0.75f;                         // rad; sides of a twelve-sided cylinder are smooth, those of a box sharp
-constexpr float kThreads = 90.0f;  // of a cloth
-constexpr float kTranslucency = 0.35f;  // of jelly, in sizes of the body
-constexpr float kFloorSizes = 40.0f;    // half sides of the floor, in sizes of what is shown
+// rad; sides of a twelve-sided cylinder are smooth, those of a box sharp
+constexpr float kSharpAngle = 0.75f;
+constexpr float kThreads = 90.0f;             // of a cloth
+constexpr float kTranslucency = 0.35f;        // of jelly, in sizes of the body
+constexpr float kNear = 0.02f, kFar = 40.0f;  // in distances of the user's camera from its target
+constexpr float kFloorSizes = 40.0f;          // half sides of the floor, in sizes of what is shown
 
 render::Material materialOf(scenes::Finish finish, double size) {
   switch (finish) {
@@ -52,6 +53,9 @@ render::Camera cameraAt(const scenes::View& view, const DemoOptions& options, do
   if (options.camera.path == CameraPath::Fixed) {
     camera.eye = toVec3(options.camera.eye);
     camera.target = toVec3(options.camera.target);
+    const float distance = (options.camera.eye - options.camera.target).cast<float>().norm();
+    camera.nearPlane = kNear * distance;
+    camera.farPlane = kFar * distance;
   }
   return camera;
 }

@@ -26,7 +26,8 @@ constexpr double kBoxHalf = 0.2;                         // m
 constexpr double kBoxAway = 0.8, kBoxThrough = -0.3;     // m, positions where the pushing box reverses
 constexpr double kPushSeconds = 4.0;                     // time of the pushing motion, forth and back
 constexpr double kDent = 0.05;                           // m, allowed depth of a rigid body in the cloth
-const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f), kBoxColour(0.45f, 0.47f, 0.52f);
+const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f), kBoxColour(0.45f, 0.47f, 0.52f),
+    kMarbleColour(1.0f, 0.75f, 0.05f);
 
 /// Boxes and middles have the index of their curtain; each curtain has two balls.
 struct Curtains {
@@ -62,7 +63,7 @@ void addPushers(Scene& scene, Curtains& curtains, double x, Random& random) {
   for (const double side : {-0.65, 0.65})
     curtains.balls.push_back(
         throwBall(scene, {x + side, height(), kBallFrom}, kBallSpeed, kBall, kBallMass, kBallColour));
-  throwBall(scene, {x - 0.3, height(), kMarbleFrom}, kMarbleSpeed, kMarble, kMarbleMass, kBoxColour);
+  throwBall(scene, {x - 0.3, height(), kMarbleFrom}, kMarbleSpeed, kMarble, kMarbleMass, kMarbleColour);
 }
 
 std::string addCurtain(Scene& scene, const SharedNetwork& network, SoftBodySettings settings, double x,

@@ -102,9 +102,9 @@ std::string addBlocks(Scene& scene, const SharedNetwork& network, const SceneOpt
 
 SceneResult createDent(const SceneOptions& options) {
   MaterialMesh filling;
-  filling.points = 420;
+  filling.points = 900;
   const Result<SharedNetwork> network =
-      buildMaterialNetwork(boxOfCells({kBlockWidth, kBlockHeight, kBlockWidth}, 0.1), filling);
+      buildMaterialNetwork(boxOfCells({kBlockWidth, kBlockHeight, kBlockWidth}, 0.04), filling);
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
   addFloor(*scene, 10.0, 0.0);

@@ -139,6 +139,7 @@ const std::array<LayerInfo, kLayerCount>& layerList() {
                                                            {"constraints", '5', false},
                                                            {"shadows", '6', true},
                                                            {"islands", '7', false},
+                                                           {"gallery", 'G', false},
                                                            {"panel", 'H', true},
                                                            {"split", 'S', false}}};
   return list;

@@ -84,11 +84,21 @@ struct Settings {
   double operator[](Setting setting) const { return values[static_cast<std::size_t>(setting)]; }
 };
 
-// --- layers of the picture
-// ----------------------------------------------------------------------------------
+// --- layers of the picture ---------------------------------------------------------------------------------
 
-enum class Layer { Strain, Contacts, Boxes, Velocities, Constraints, Shadows, Islands, Panel, Split };
-constexpr std::size_t kLayerCount = 9;
+enum class Layer {
+  Strain,
+  Contacts,
+  Boxes,
+  Velocities,
+  Constraints,
+  Shadows,
+  Islands,
+  Gallery,
+  Panel,
+  Split
+};
+constexpr std::size_t kLayerCount = 10;
 
 struct LayerInfo {
   const char* name;

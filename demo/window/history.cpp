@@ -5,7 +5,7 @@
 
 namespace limber::demo {
 
-TickSample sampleOf(const scenes::TickTimes& times, const Energy& energy) {
+TickSample sampleOf(const scenes::TickTimes& times, const Diagnostics& bodies) {
   const TickProfile& soft = times.soft;
   const double parts[kTickParts] = {soft.stepMs, soft.searchMs + soft.islandsMs,
                                     soft.readMs + soft.chooseMs + soft.writeMs + soft.readBackMs,
@@ -15,8 +15,9 @@ TickSample sampleOf(const scenes::TickTimes& times, const Energy& energy) {
   sample.totalMs = static_cast<float>(times.total);
   if (soft.awakeBodies > 0)
     sample.substeps = static_cast<float>(soft.substeps) / static_cast<float>(soft.awakeBodies);
-  sample.energy = {static_cast<float>(energy.kinetic), static_cast<float>(energy.elastic),
-                   static_cast<float>(energy.potential)};
+  sample.energy = {static_cast<float>(bodies.kinetic), static_cast<float>(bodies.elastic),
+                   static_cast<float>(bodies.potential)};
+  sample.errorMm = static_cast<float>(1e3 * bodies.error);
   return sample;
 }
 

@@ -20,10 +20,11 @@ struct TickSample {
   float totalMs = 0.0f;
   float twinMs = 0.0f;            ///< of btSoftBody, with the split
   float substeps = 0.0f;          ///< mean of the awake bodies
+  float errorMm = 0.0f;           ///< mm/s, largest SoftBody::errorPerSecond()
   std::array<float, 3> energy{};  ///< J: kinetic, elastic, potential
 };
 
-TickSample sampleOf(const scenes::TickTimes& times, const Energy& energy);
+TickSample sampleOf(const scenes::TickTimes& times, const Diagnostics& bodies);
 
 /// The last ticks, for plots.
 class History {

@@ -154,6 +154,8 @@ void drawPlots(const History& history) {
   drawTickPlot(history);
   drawLinePlot(history, "substeps a body", "", 1, kPartColours,
                [](const TickSample& sample, std::size_t) { return sample.substeps; });
+  drawLinePlot(history, "error estimate", " mm/s", 1, kPartColours,
+               [](const TickSample& sample, std::size_t) { return sample.errorMm; });
   drawLinePlot(history, "energy", " J", 3, kEnergyColours,
                [](const TickSample& sample, std::size_t k) { return sample.energy[k]; });
   const char* const names[3] = {"kinetic", "elastic", "potential"};

@@ -19,6 +19,7 @@ void performOptions(Session& session, const DemoOptions& options) {
   if (options.overlay.velocities) show(Layer::Velocities);
   if (options.overlay.constraints) show(Layer::Constraints);
   if (options.overlay.islands) show(Layer::Islands);
+  if (options.quality == render::Quality::Gallery) show(Layer::Gallery);
   if (options.camera.path == CameraPath::Fixed)
     session.perform(cameraCommand(orbitOf(options.camera.eye, options.camera.target)));
   for (const Command& command : options.window.settings) session.perform(command);

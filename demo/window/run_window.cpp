@@ -207,7 +207,8 @@ void Play::tick() {
   if (record_ && session_->ticks() % kStateTicks == 0) record(lineOf(stateOf(*session_, false)));
   if (session_->sceneNumber() != sceneNumber_) history_.clear();
   sceneNumber_ = session_->sceneNumber();
-  TickSample sample = sampleOf(times, session_->shows(Layer::Panel) ? session_->energy() : Energy{});
+  TickSample sample =
+      sampleOf(times, session_->shows(Layer::Panel) ? session_->diagnostics() : Diagnostics{});
   if (const auto* twin = session_->bulletTwin()) sample.twinMs = static_cast<float>(twin->tickMs());
   history_.add(sample);
 }

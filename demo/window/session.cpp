@@ -183,16 +183,17 @@ scenes::TickTimes Session::tick() {
   return times;
 }
 
-Energy Session::energy() const {
-  Energy energy;
+Diagnostics Session::diagnostics() const {
+  Diagnostics sum;
   const double gravity = settings_[Setting::Gravity];
   for (std::size_t b = 0; b < scene_->soft->bodyCount(); ++b) {
     const SoftBody& body = *scene_->soft->body(b);
-    energy.kinetic += body.kineticEnergy();
-    energy.elastic += body.elasticEnergy();
-    energy.potential += body.totalMass() * gravity * body.centerOfMass().y();
+    sum.kinetic += body.kineticEnergy();
+    sum.elastic += body.elasticEnergy();
+    sum.potential += body.totalMass() * gravity * body.centerOfMass().y();
+    sum.error = std::max(sum.error, body.errorPerSecond());
   }
-  return energy;
+  return sum;
 }
 
 std::uint64_t Session::stateHash() const {

@@ -24,9 +24,10 @@ struct SceneChoice {
   scenes::SceneOptions options;
 };
 
-/// J, of all soft bodies; potential energy above y = 0.
-struct Energy {
-  double kinetic = 0.0, elastic = 0.0, potential = 0.0;
+/// Figures of all soft bodies.
+struct Diagnostics {
+  double kinetic = 0.0, elastic = 0.0, potential = 0.0;  ///< J; potential energy above y = 0
+  double error = 0.0;                                    ///< m/s, the largest SoftBody::errorPerSecond()
 };
 
 /// A scene that a user plays with. It changes only by perform() and tick(), and the same calls in the same
@@ -66,7 +67,7 @@ class Session {
   std::string bulletProblem() const;
   ViewLayout layout(const WindowSize& window) const;
   std::int64_t ticks() const { return ticks_; }  ///< of all scenes so far
-  Energy energy() const;
+  Diagnostics diagnostics() const;
   /// Returns a hash of the exact state of all bodies, with the split also of btSoftBody's.
   std::uint64_t stateHash() const;
 

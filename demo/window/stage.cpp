@@ -12,10 +12,12 @@ constexpr float kPullWidth = 3.0f;   // pixels
 constexpr float kMarkShare = 0.01f;  // of the distance of the camera
 
 /// A software rasteriser spends most of its time on pixels: those get what is cheap.
-render::RendererDesc rendererDesc(const render::GlContext& context, const WindowSize& size) {
+render::RendererDesc rendererDesc(const render::GlContext& context, const WindowSize& size,
+                                  render::Quality quality) {
   render::RendererDesc desc;
   desc.width = size.width;
   desc.height = size.height;
+  desc.quality = quality;
   const bool software = render::isSoftwareRasteriser(render::loadGl(context));
   desc.samples = software ? 1 : 4;
   desc.shadowMapSize = software ? 1024 : 2048;
@@ -79,8 +81,8 @@ Shot shotOf(const Session& session, double tickFraction) {
 
 }  // namespace
 
-Stage::Pane::Pane(render::GlContext& context, const WindowSize& size)
-    : renderer(context, rendererDesc(context, size)), checker(addCheckerTexture(renderer)) {}
+Stage::Pane::Pane(render::GlContext& context, const WindowSize& size, render::Quality quality)
+    : renderer(context, rendererDesc(context, size, quality)), checker(addCheckerTexture(renderer)) {}
 
 void Stage::Pane::resize(const WindowSize& size) {
   if (renderer.width() != size.width || renderer.height() != size.height)
@@ -89,10 +91,23 @@ void Stage::Pane::resize(const WindowSize& size) {
 
 Stage::Stage(std::function<void*(const char*)> getProcAddress, const WindowSize& size)
     : context_(render::adoptContext(std::move(getProcAddress), "the window's")),
-      left_(std::make_unique<Pane>(*context_, size)) {}
+      left_(std::make_unique<Pane>(*context_, size, quality_)) {}
 
-/// Follows changes of the scene, of the split and of the window's size.
+/// A renderer has one quality: another one needs new renderers.
+void Stage::choose(render::Quality quality, const WindowSize& size) {
+  if (quality == quality_) return;
+  quality_ = quality;
+  view_.reset();
+  twinView_.reset();
+  right_.reset();
+  left_.reset();
+  left_ = std::make_unique<Pane>(*context_, size, quality_);
+  sceneNumber_ = 0;
+}
+
+/// Follows changes of the scene, of the split, of the quality and of the window's size.
 void Stage::update(const Session& session, const WindowSize& size) {
+  choose(session.shows(Layer::Gallery) ? render::Quality::Gallery : render::Quality::Fast, size);
   const bullet_soft::BulletTwin* twin = session.bulletTwin();
   const bool newScene = sceneNumber_ != session.sceneNumber();
   sceneNumber_ = session.sceneNumber();
@@ -108,7 +123,7 @@ void Stage::update(const Session& session, const WindowSize& size) {
   twinView_.reset();
   twin_ = twin;
   if (!twin) return;
-  if (!right_) right_ = std::make_unique<Pane>(*context_, size);
+  if (!right_) right_ = std::make_unique<Pane>(*context_, size, quality_);
   right_->resize(size);
   twinView_.emplace(*twin, right_->renderer, right_->checker);
 }

@@ -30,16 +30,18 @@ class Stage {
  private:
   /// A renderer of one view.
   struct Pane {
-    Pane(render::GlContext& context, const WindowSize& size);
+    Pane(render::GlContext& context, const WindowSize& size, render::Quality quality);
     void resize(const WindowSize& size);
 
     render::Renderer renderer;
     render::TextureId checker;
   };
 
+  void choose(render::Quality quality, const WindowSize& size);
   void update(const Session& session, const WindowSize& size);
 
   std::unique_ptr<render::GlContext> context_;
+  render::Quality quality_ = render::Quality::Fast;
   std::unique_ptr<Pane> left_, right_;  // right_: nullptr before the first split
   std::optional<SceneView> view_;
   std::optional<TwinView> twinView_;

@@ -39,6 +39,7 @@ void addSettings(std::ostream& out, const Session& session) {
 
 void addLayers(std::ostream& out, const Session& session) {
   if (session.shows(Layer::Strain)) out << " --mode wireframe";
+  if (session.shows(Layer::Gallery)) out << " --quality gallery";
   if (session.shows(Layer::Split)) out << " --split";
   const char* before = " --overlay ";
   for (const Layer layer :

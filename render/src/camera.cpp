@@ -16,36 +16,66 @@ namespace {
 constexpr float kMargin = 1.06f;
 constexpr float kMinRadius = 1e-3f;
 
-// Returns the distance of the eye from the centre at which a corner (relative to the centre, in view axes) is
-// inside a view frustum with these tangents of half angles.
-float distanceFor(Vec3 corner, float tanX, float tanY) {
-  return corner.z + std::max(std::abs(corner.x) / tanX, std::abs(corner.y) / tanY);
+// The corners of a box relative to its centre, in view axes; z points to the eye.
+using Corners = std::array<Vec3, 8>;
+
+Corners cornersOf(Vec3 half, Vec3 right, Vec3 up, Vec3 back) {
+  Corners corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 corner{(i & 1) != 0 ? half.x : -half.x, (i & 2) != 0 ? half.y : -half.y,
+                      (i & 4) != 0 ? half.z : -half.z};
+    corners[i] = {dot(corner, right), dot(corner, up), dot(corner, back)};
+  }
+  return corners;
 }
+
+// An eye at (e, d) sees corners with |c - e| <= (d - z) tan, so  e + d tan >= c + z tan  and  -e + d tan >=
+// -c + z tan. Returns the smallest d, for which a suitable e exists.
+float distanceFor(const Corners& corners, float Vec3::*axis, float tangent) {
+  float low = 0.0f, high = 0.0f;
+  for (const Vec3& corner : corners) {
+    low = std::max(low, corner.z * tangent - corner.*axis);
+    high = std::max(high, corner.z * tangent + corner.*axis);
+  }
+  return 0.5f * (low + high) / tangent;
+}
+
+// Returns the position on an axis from which both sides of the box appear under equal angles, by bisection.
+float middleFor(const Corners& corners, float Vec3::*axis, float distance) {
+  float low = -distance, high = distance;
+  for (int i = 0; i < 24; ++i) {
+    const float middle = 0.5f * (low + high);
+    float below = 0.0f, above = 0.0f;
+    for (const Vec3& corner : corners) {
+      const float tangent = (corner.*axis - middle) / (distance - corner.z);
+      below = std::max(below, -tangent);
+      above = std::max(above, tangent);
+    }
+    (above > below ? low : high) = middle;
+  }
+  return 0.5f * (low + high);
+}
+
+Vec3 aboutVertical(Vec3 v, float c, float s) { return {c * v.x + s * v.z, v.y, c * v.z - s * v.x}; }
 
 }  // namespace
 
 Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect) {
   Camera camera;
   const Vec3 back = unitOr(direction, {0.0f, 0.0f, 1.0f});
-  const Vec3 centre = 0.5f * (min + max);
-  const Vec3 half = 0.5f * (max - min);
   if (std::abs(dot(back, camera.up)) > 0.999f) {
     camera.up = {0.0f, 0.0f, -1.0f};
   }
   const Vec3 right = unitOr(cross(camera.up, back), {1.0f, 0.0f, 0.0f});
-  const Vec3 up = cross(back, right);
-  const float tanY = std::tan(0.5f * camera.verticalFieldOfView) / kMargin;
-  float distance = 0.0f;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3 corner{(i & 1) != 0 ? half.x : -half.x, (i & 2) != 0 ? half.y : -half.y,
-                      (i & 4) != 0 ? half.z : -half.z};
-    const Vec3 inView{dot(corner, right), dot(corner, up), dot(corner, back)};
-    distance = std::max(distance, distanceFor(inView, tanY * aspect, tanY));
-  }
+  const Vec3 up = cross(back, right), half = 0.5f * (max - min);
+  const Corners corners = cornersOf(half, right, up, back);
+  const float tangent = std::tan(0.5f * camera.verticalFieldOfView) / kMargin;
   const float radius = std::max(length(half), kMinRadius);
-  distance = std::max(distance, 1.01f * radius);
-  camera.target = centre;
-  camera.eye = centre + distance * back;
+  const float distance = std::max({distanceFor(corners, &Vec3::x, tangent * aspect),
+                                   distanceFor(corners, &Vec3::y, tangent), 1.01f * radius});
+  camera.target = 0.5f * (min + max) + middleFor(corners, &Vec3::x, distance) * right +
+                  middleFor(corners, &Vec3::y, distance) * up;
+  camera.eye = camera.target + distance * back;
   camera.nearPlane = std::max(0.2f * (distance - radius), 0.01f * radius);
   camera.farPlane = 20.0f * (distance + radius);
   return camera;
@@ -57,9 +87,9 @@ Camera orbitBox(Vec3 min, Vec3 max, Vec3 direction, float aspect, float angle) {
   const float radius = 0.5f * std::hypot(max.x - min.x, max.z - min.z);
   Camera camera = frameBox({centre.x - radius, min.y, centre.z - radius},
                            {centre.x + radius, max.y, centre.z + radius}, direction, aspect);
-  const Vec3 offset = camera.eye - centre;
   const float c = std::cos(angle), s = std::sin(angle);
-  camera.eye = centre + Vec3{c * offset.x + s * offset.z, offset.y, c * offset.z - s * offset.x};
+  camera.eye = centre + aboutVertical(camera.eye - centre, c, s);
+  camera.target = centre + aboutVertical(camera.target - centre, c, s);
   return camera;
 }
 
@@ -95,7 +125,7 @@ Mat4 worldToShadow(const Light& light, Vec3 towards) {
   return scale * view;
 }
 
-constexpr float kSunTangent = 0.07f;      // Of the sun's radius: a large lamp.
+constexpr float kSunTangent = 0.07f;     // Of the sun's radius: a large lamp.
 constexpr float kOcclusionReach = 0.3f;  // In shadow radii.
 
 void addGalleryUniforms(FrameUniforms& uniforms, const Camera& camera, const Light& light,

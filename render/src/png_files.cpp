@@ -11,13 +11,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <csetjmp>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -100,91 +98,47 @@ void AtomicFile::fail(int error) const {
   throw std::runtime_error("cannot write " + path_ + ": " + std::strerror(error));
 }
 
-struct PngStyle {
-  int level;    ///< Of zlib, 1 to 9.
-  int filters;  ///< PNG_FILTER_NONE or more.
-};
-
-/// Returns the bytes of a PNG file, RGBA in sRGB. Throws std::runtime_error with `path` and libpng's reason.
-std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image, const PngStyle& style);
-
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-using ErrorText = std::array<char, 256>;
+// Fast: zlib's level 3 without filters. Small: level 6 with filters.
+enum class PngSize { Fast, Small };
 
-constexpr std::size_t kBufferBytes = 1 << 16;
-
-// libpng reports errors with longjmp. So the functions that call it must not have objects with destructors,
-// and no exception may pass through it.
-void onError(png_structp png, png_const_charp text) {
-  auto& out = *static_cast<ErrorText*>(png_get_error_ptr(png));
-  std::snprintf(out.data(), out.size(), "%s", text);
-  png_longjmp(png, 1);
-}
-
-void onWarning(png_structp, png_const_charp) {}
-
-bool append(Bytes& bytes, const std::uint8_t* data, std::size_t size) noexcept {
-  try {
-    bytes.insert(bytes.end(), data, data + size);
-    return true;
-  } catch (const std::bad_alloc&) {
-    return false;
+// Returns the bytes of a PNG file with the pixels of an image, 4 or (PNG_FORMAT_RGB) 3 bytes each, in sRGB.
+// Throws std::runtime_error with `path` and libpng's reason.
+std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image,
+                                    const std::vector<std::uint8_t>& pixels, std::uint32_t format,
+                                    PngSize size) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(image.width);
+  header.height = static_cast<png_uint_32>(image.height);
+  header.format = format;
+  header.flags = size == PngSize::Fast ? PNG_IMAGE_FLAG_FAST : 0;
+  png_alloc_size_t count = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::vector<std::uint8_t> bytes(count);
+  if (png_image_write_to_memory(&header, bytes.data(), &count, 0, pixels.data(), 0, nullptr) == 0) {
+    throw std::runtime_error("cannot write " + path + ": " + header.message);
   }
-}
-
-void onWrite(png_structp png, png_bytep data, std::size_t size) {
-  if (!append(*static_cast<Bytes*>(png_get_io_ptr(png)), data, size)) {
-    png_error(png, "out of memory");
-  }
-}
-
-void onFlush(png_structp) {}
-
-void writeHeader(png_structp png, png_infop info, const Image& image, const PngStyle& style) {
-  png_set_compression_level(png, style.level);
-  png_set_compression_buffer_size(png, kBufferBytes);
-  png_set_filter(png, PNG_FILTER_TYPE_BASE, style.filters);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
-               PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_write_info(png, info);
-}
-
-bool encode(Bytes& bytes, const Image& image, const PngStyle& style, ErrorText& error) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &error, onError, onWarning);
-  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
-  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
-    png_destroy_write_struct(&png, &info);
-    return false;
-  }
-  png_set_write_fn(png, &bytes, onWrite, onFlush);
-  writeHeader(png, info, image, style);
-  for (int y = 0; y < image.height; ++y) {
-    png_write_row(png, image.pixel(0, y));
-  }
-  png_write_end(png, info);
-  png_destroy_write_struct(&png, &info);
-  return true;
-}
-
-}  // namespace
-
-std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image, const PngStyle& style) {
-  Bytes bytes;
-  ErrorText error{"out of memory"};
-  if (!encode(bytes, image, style, error)) {
-    throw std::runtime_error("cannot write " + path + ": " + error.data());
-  }
+  bytes.resize(count);
   return bytes;
 }
 
-namespace {
+bool isOpaque(const Image& image) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i] != 255) {
+      return false;
+    }
+  }
+  return true;
+}
 
-// Three times as fast as the default; rendered pictures take a tenth more bytes.
-constexpr PngStyle kFast{1, PNG_FILTER_NONE};
+std::vector<std::uint8_t> rgbOf(const Image& image) {
+  std::vector<std::uint8_t> rgb(image.rgba.size() / 4 * 3);
+  for (std::size_t from = 0, to = 0; to < rgb.size(); from += 4, to += 3) {
+    std::copy_n(&image.rgba[from], 3, &rgb[to]);
+  }
+  return rgb;
+}
 
 [[noreturn]] void failRead(const std::string& path, const char* reason) {
   throw std::runtime_error("cannot read " + path + ": " + reason);
@@ -197,7 +151,8 @@ void writePng(const std::string& path, const Image& image) {
     throw std::runtime_error("cannot write " + path + ": the image is empty");
   }
   AtomicFile file(path);
-  file.write(encodePng(path, image, kFast));
+  file.write(isOpaque(image) ? encodePng(path, image, rgbOf(image), PNG_FORMAT_RGB, PngSize::Fast)
+                             : encodePng(path, image, image.rgba, PNG_FORMAT_RGBA, PngSize::Fast));
   file.commit();
 }
 
@@ -336,9 +291,6 @@ std::vector<std::uint8_t> imageEnd() { return chunk("IEND", {}); }
 
 namespace {
 
-// Without filters: they help smooth pictures, but enlarge pictures with many transparent pixels.
-constexpr PngStyle kSmall{6, PNG_FILTER_NONE};
-
 bool differ(const Image& a, const Image& b, int x, int y) {
   return std::memcmp(a.pixel(x, y), b.pixel(x, y), 4) != 0;
 }
@@ -395,7 +347,7 @@ void ApngWriter::add(const Image& image) {
   Image frame = opaque(image);
   const PixelArea area = first ? PixelArea{0, 0, frame.width, frame.height} : changedArea(previous_, frame);
   const Image part = first ? frame : changes(previous_, frame, area);
-  const PngParts png = splitPng(encodePng(desc_.path, part, kSmall));
+  const PngParts png = splitPng(encodePng(desc_.path, part, part.rgba, PNG_FORMAT_RGBA, PngSize::Small));
   if (first) {
     writeHead(png.head);
   }

@@ -45,9 +45,10 @@ TEST(Session, aPulledCubeFollowsTheRay) {
   const Eigen::Vector3d start = centreOf(*session), aside(0.8, 0.5, 0.0);
   EXPECT_EQ(session->perform(rayCommand(Action::Grab, rayTo(*session, start))).rfind("body 0", 0), 0u);
   ASSERT_TRUE(session->hand().holds());
+  const Eigen::Vector3d held = session->hand().held();
   session->perform(rayCommand(Action::Drag, rayTo(*session, start + aside)));
   ticks(*session, 120);
-  EXPECT_GT(centreOf(*session).x(), start.x() + 0.4);
+  EXPECT_GT(session->hand().held().x(), held.x() + 0.2);  // the cube swings below it
   EXPECT_LT((session->hand().held() - session->hand().place()).norm(), 0.1);
   session->perform(plain(Action::Release));
   EXPECT_FALSE(session->hand().holds());

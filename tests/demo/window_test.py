@@ -68,7 +68,8 @@ def pull_cube(mouse, log):
 
     def follows(match):
         at = numbers(match)
-        return math.dist(at[:3], at[3:]) < 0.4 and at[0] - begin[0] > 0.3
+        pulled = math.dist(at[3:], begin)
+        return pulled > 0.2 and math.dist(at[:3], begin) > 0.5 * pulled and math.dist(at[:3], at[3:]) < 0.5 * pulled
 
     log.wait(rf"held at {NUMBER} {NUMBER} {NUMBER}, pulled to {NUMBER} {NUMBER} {NUMBER}", follows, before)
     mouse.button(1, False)

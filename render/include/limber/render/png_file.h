@@ -8,8 +8,8 @@
 namespace limber::render {
 
 /// Writes a temporary file next to `path` and renames it, so that `path` is never an incomplete file. Fast
-/// rather than small (zlib level 1, no filter). Throws std::runtime_error with the path and the reason (no
-/// such folder, no permission, disk full, ...).
+/// rather than small; opaque images have 3 bytes a pixel. Throws std::runtime_error with the path and the
+/// reason (no such folder, no permission, disk full, ...).
 void writePng(const std::string& path, const Image& image);
 
 /// Reads any PNG as RGBA. Throws std::runtime_error with the path and the reason.
