@@ -157,7 +157,9 @@ void main() {
   colour = mix(colour, wallColour(ray), smoothstep(0.16, 0.02, -ray.y));
 #else
   vec3 base = mix(vec3(0.04), albedo, metal);
-  vec3 mirror = base + (max(vec3(1.0 - rough), base) - base) * fresnel(nv);
+  // a pixel at an outline shows a range of angles, not the most grazing one
+  float grazing = fresnel(nv + 0.5 * min(fwidth(nv), 0.5));
+  vec3 mirror = base + (max(vec3(1.0 - rough), base) - base) * grazing;
   vec3 shine = base + (1.0 - base) * fresnel(max(dot(middle, eye), 0.0));
   vec3 colour = diffuse + mirror * open * (1.0 - 0.7 * rough * (1.0 - metal)) *
                               surroundings(reflect(-eye, normal), rough);

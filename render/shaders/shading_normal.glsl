@@ -1,6 +1,6 @@
 in vec3 toEye;
 #ifdef SMOOTH
-in vec3 smoothNormal;
+centroid in vec3 smoothNormal;  // at an outline it would be extrapolated
 #endif
 
 // The triangle's normal, towards the viewer. It uses derivatives of toEye, not of the position, because its values

@@ -23,7 +23,7 @@ flat out vec4 look;
 flat out vec4 material;
 #endif
 #ifdef SMOOTH
-out vec3 smoothNormal;
+centroid out vec3 smoothNormal;
 #endif
 #endif
 

@@ -134,12 +134,12 @@ void addGalleryUniforms(FrameUniforms& uniforms, const Camera& camera, const Lig
   const Mat4 view = lookAlong(camera.eye, forward, camera.up);
   const float tanY = std::tan(0.5f * camera.verticalFieldOfView);
   const float tanX = tanY * static_cast<float>(size.width) / static_cast<float>(size.height);
-  const float near = camera.nearPlane, far = camera.farPlane;
+  const float zNear = camera.nearPlane, zFar = camera.farPlane;
   const Vec3 right{view.at(0, 0), view.at(0, 1), view.at(0, 2)},
       up{view.at(1, 0), view.at(1, 1), view.at(1, 2)};
   // depth d = far / (far - near) - near far / ((far - near) z), see perspective()
-  uniforms.forward = vec4(forward, far / (near - far));
-  uniforms.right = vec4(tanX * right, near * far / (near - far));
+  uniforms.forward = vec4(forward, zFar / (zNear - zFar));
+  uniforms.right = vec4(tanX * right, zNear * zFar / (zNear - zFar));
   uniforms.down = vec4(-tanY * up, kOcclusionReach * light.shadowRadius);
   uniforms.shadowVolume = {2.0f * light.shadowRadius, kShadowDepth * light.shadowRadius,
                            static_cast<float>(size.shadowMapSize), kSunTangent};

@@ -62,13 +62,13 @@ inline Mat4 lookAlong(Vec3 eye, Vec3 forward, Vec3 up) {
 }
 
 /// Returns view to clip space with depth from 0 (near) to 1 (far).
-inline Mat4 perspective(float verticalFieldOfView, float aspect, float near, float far) {
+inline Mat4 perspective(float verticalFieldOfView, float aspect, float zNear, float zFar) {
   const float scale = 1.0f / std::tan(0.5f * verticalFieldOfView);
   Mat4 clip;
   clip.at(0, 0) = scale / aspect;
   clip.at(1, 1) = scale;
-  clip.at(2, 2) = far / (near - far);
-  clip.at(2, 3) = near * far / (near - far);
+  clip.at(2, 2) = zFar / (zNear - zFar);
+  clip.at(2, 3) = zNear * zFar / (zNear - zFar);
   clip.at(3, 2) = -1.0f;
   return clip;
 }
