@@ -89,13 +89,13 @@ void compareSteps(const SharedNetwork& network, double damping) {
 }
 
 TEST(Quads, giveTheBitsOfSpringBySpring) {
-  if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has no AVX2";
+  if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has neither AVX2 nor NEON";
   for (const SharedNetwork& network : networks())
     for (const double damping : {0.0, 0.2}) compareSteps<DeformedBody>(network, damping);
 }
 
 TEST(Quads, giveTheBitsOfSpringBySpringToLinkedBodies) {
-  if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has no AVX2";
+  if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has neither AVX2 nor NEON";
   for (const SharedNetwork& network : networks())
     for (const double damping : {0.0, 0.2}) compareSteps<LinkedBody>(network, damping);
 }

@@ -135,7 +135,8 @@ TEST_P(Lanes, giveTheBitsOfSingleBodies) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets, Lanes,
-                         testing::Values(InstructionSet::Sse2, InstructionSet::Avx2, InstructionSet::Avx512),
+                         testing::Values(InstructionSet::Sse2, InstructionSet::Avx2, InstructionSet::Avx512,
+                                         InstructionSet::Neon),
                          [](const auto& i) {
                            return std::string(i.param == InstructionSet::Avx512 ? "AVX512" : nameOf(i.param));
                          });

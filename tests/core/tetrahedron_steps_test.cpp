@@ -23,7 +23,7 @@ class TetrahedronSteps : public testing::TestWithParam<TetrahedronStepper> {
  public:
   void SetUp() override {
     if (GetParam() == TetrahedronStepper::Quads && !canStepSpringBatches())
-      GTEST_SKIP() << "this machine has no AVX2";
+      GTEST_SKIP() << "this machine has neither AVX2 nor NEON";
   }
 
   void advance(SteppedTestBody& body, double time, int substeps) {

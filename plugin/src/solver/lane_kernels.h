@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// The kernels of verlet_kernel.h, compiled for each instruction set of x86-64 with GCC or Clang. On other
-// platforms every body is stepped alone.
-#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-#define LIMBER_HAS_LANES
+// The kernels of verlet_kernel.h, compiled for each instruction set of x86-64, or for NEON of AArch64, with
+// GCC or Clang. On other platforms every body is stepped alone.
+#if defined(__GNUC__) || defined(__clang__)
+#if defined(__x86_64__)
+#define LIMBER_HAS_X86_LANES
+#elif defined(__aarch64__)
+#define LIMBER_HAS_NEON_LANES
+#endif
 #endif
 
 #include <cstddef>
@@ -87,18 +91,20 @@ struct SpringBatchBody {
   const ContactCalls* contacts;
 };
 
-/// Steps a body; see stepAlone() of verlet_kernel.h, also for the result. Needs AVX2.
+/// Steps a body; see stepAlone() of verlet_kernel.h, also for the result. Needs AVX2 or NEON.
 double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps);
-/// The parts of this step, for bodies that are stepped together with others. They need AVX2.
+/// The parts of this step, for bodies that are stepped together with others. They need AVX2 or NEON.
 void computeBatchForces(const SpringBatchBody& body);
 void kickSpringBatches(const SpringBatchBody& body, double dt);
 void driftSpringBatches(const SpringBatchBody& body, double dt);
 void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward);
 
-#if defined(LIMBER_HAS_LANES)
+#if defined(LIMBER_HAS_X86_LANES)
 void stepSse2(const LaneBody& body, double tick, int substeps);
 void stepAvx2(const LaneBody& body, double tick, int substeps);
 void stepAvx512(const LaneBody& body, double tick, int substeps);
+#elif defined(LIMBER_HAS_NEON_LANES)
+void stepNeon(const LaneBody& body, double tick, int substeps);
 #endif
 
 }  // namespace limber::kernel

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <initializer_list>
 
-#if !defined(LIMBER_HAS_LANES)
+#if !defined(LIMBER_HAS_X86_LANES) && !defined(LIMBER_HAS_NEON_LANES)
 namespace limber::kernel {
 // never called, see canStepSpringBatches()
 double stepSpringBatches(const SpringBatchBody&, double, int) { return 0.0; }
@@ -24,12 +24,12 @@ namespace limber {
 // --- instruction sets --------------------------------------------------------------------------------------
 
 int laneCount(InstructionSet set) {
-  constexpr int kCount[] = {1, 2, 4, 8};
+  constexpr int kCount[] = {1, 2, 4, 8, 2};
   return kCount[static_cast<int>(set)];
 }
 
 bool isAvailable(InstructionSet set) {
-#if defined(LIMBER_HAS_LANES)
+#if defined(LIMBER_HAS_X86_LANES)
   switch (set) {
     case InstructionSet::Scalar:
     case InstructionSet::Sse2:
@@ -38,19 +38,24 @@ bool isAvailable(InstructionSet set) {
       return __builtin_cpu_supports("avx2");
     case InstructionSet::Avx512:
       return __builtin_cpu_supports("avx512f");
+    case InstructionSet::Neon:
+      return false;
   }
+#elif defined(LIMBER_HAS_NEON_LANES)
+  if (set == InstructionSet::Neon) return true;
 #endif
   return set == InstructionSet::Scalar;
 }
 
 InstructionSet bestInstructionSet() {
-  for (const InstructionSet set : {InstructionSet::Avx512, InstructionSet::Avx2, InstructionSet::Sse2})
+  for (const InstructionSet set :
+       {InstructionSet::Avx512, InstructionSet::Avx2, InstructionSet::Sse2, InstructionSet::Neon})
     if (isAvailable(set)) return set;
   return InstructionSet::Scalar;
 }
 
 const char* nameOf(InstructionSet set) {
-  constexpr const char* kName[] = {"scalar", "SSE2", "AVX2", "AVX-512"};
+  constexpr const char* kName[] = {"scalar", "SSE2", "AVX2", "AVX-512", "NEON"};
   return kName[static_cast<int>(set)];
 }
 
@@ -188,7 +193,7 @@ kernel::LaneBody laneBody(const Lanes& lanes, const kernel::ContactCalls& contac
 }
 
 void stepPacks(const kernel::LaneBody& body, double tick, int substeps, InstructionSet set) {
-#if defined(LIMBER_HAS_LANES)
+#if defined(LIMBER_HAS_X86_LANES)
   switch (set) {
     case InstructionSet::Sse2:
       return kernel::stepSse2(body, tick, substeps);
@@ -197,8 +202,11 @@ void stepPacks(const kernel::LaneBody& body, double tick, int substeps, Instruct
     case InstructionSet::Avx512:
       return kernel::stepAvx512(body, tick, substeps);
     case InstructionSet::Scalar:
+    case InstructionSet::Neon:
       break;
   }
+#elif defined(LIMBER_HAS_NEON_LANES)
+  if (set == InstructionSet::Neon) return kernel::stepNeon(body, tick, substeps);
 #endif
   static_cast<void>(body), static_cast<void>(tick), static_cast<void>(substeps), static_cast<void>(set);
 }
@@ -374,7 +382,7 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
 
 }  // namespace
 
-bool canStepSpringBatches() { return isAvailable(InstructionSet::Avx2); }
+bool canStepSpringBatches() { return isAvailable(InstructionSet::Avx2) || isAvailable(InstructionSet::Neon); }
 
 kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts) {
   load(*body.springBatches, *body.points, *body.springs);

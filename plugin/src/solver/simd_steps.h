@@ -15,9 +15,9 @@ namespace limber {
 // --- instruction sets --------------------------------------------------------------------------------------
 
 /// Instruction set that computes several bodies at once. All sets give the same results, to the bit.
-enum class InstructionSet : std::uint8_t { Scalar, Sse2, Avx2, Avx512 };
+enum class InstructionSet : std::uint8_t { Scalar, Sse2, Avx2, Avx512, Neon };
 
-/// Returns the number of bodies at once: 1, 2, 4 or 8.
+/// Returns the number of bodies at once: 1, 2, 4, 8 or 2.
 int laneCount(InstructionSet set);
 
 /// Whether this machine and this build support `set`.
@@ -67,7 +67,7 @@ struct SpringBatchArrays {
   unsigned revision = 0;                       // springs.revision of the copied constants; 0: none copied
 };
 
-/// Whether this machine supports stepSpringBatches(): it needs AVX2.
+/// Whether this machine supports stepSpringBatches(): it needs AVX2 or NEON.
 bool canStepSpringBatches();
 
 /// Copies the body's state, and changed constants, into body.springBatches, which must be set. Allocates in

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "solver/lane_kernels.h"
 
-#if defined(LIMBER_HAS_LANES)
+#if defined(LIMBER_HAS_X86_LANES)
 #define LIMBER_PACK_BITS 256
 #include "solver/target_begin.h"
 
@@ -12,27 +12,22 @@ namespace {
 
 using Quad = Pack;
 
-/// One body in the form that stepAlone() takes. Each point is a Quad x, y, z, 0.
-struct SpringBatchPoints {
-  const SpringBatchBody& b;
-  bool damped() const { return b.damped; }
-  const ContactCalls& contacts() const { return *b.contacts; }
+/// x, y and z of four points.
+struct Columns {
+  Quad x, y, z;
 };
 
-Quad* springBatches(double* numbers) { return reinterpret_cast<Quad*>(numbers); }
-const Quad* springBatches(const double* numbers) { return reinterpret_cast<const Quad*>(numbers); }
+/// Four vectors, each as a Quad x, y, z, 0.
+struct Rows {
+  Quad row[4];
+};
+
+double total(Quad q) { return q[0] + (q[1] + q[2]); }
 
 template <int i>
 Quad spread(Quad v) {
   return _mm256_permute4x64_pd(v, i * 0x55);
 }
-
-double total(Quad q) { return q[0] + (q[1] + q[2]); }
-
-/// x, y and z of four points.
-struct Columns {
-  Quad x, y, z;
-};
 
 Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
   const Quad xz01 = _mm256_unpacklo_pd(p0, p1), y01 = _mm256_unpackhi_pd(p0, p1);
@@ -40,134 +35,6 @@ Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
   return {_mm256_permute2f128_pd(xz01, xz23, 0x20), _mm256_permute2f128_pd(y01, y23, 0x20),
           _mm256_permute2f128_pd(xz01, xz23, 0x31)};
 }
-
-void pullTogether(const SpringBatchBody& b, Index spring, Quad pull, Quad direction) {
-  const Quad force = pull * direction;
-  Quad& fa = springBatches(b.force)[b.a[spring]];
-  fa = fa + force;
-  Quad& fb = springBatches(b.force)[b.b[spring]];
-  fb = fb - force;
-}
-
-/// Does the same as addForce() of verlet_kernel.h for four springs, from i on.
-void addForces(const SpringBatchBody& b, Index i) {
-  const Quad* x = springBatches(b.position);
-  const Quad d0 = x[b.b[i]] - x[b.a[i]], d1 = x[b.b[i + 1]] - x[b.a[i + 1]];
-  const Quad d2 = x[b.b[i + 2]] - x[b.a[i + 2]], d3 = x[b.b[i + 3]] - x[b.a[i + 3]];
-  const Columns d = columns(d0, d1, d2, d3);
-  const Pull<Quad> p =
-      pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), springBatches(b.restLength)[i / 4],
-             springBatches(b.extensionStiffness)[i / 4], springBatches(b.compressionStiffness)[i / 4]);
-  springBatches(b.inverseLength)[i / 4] = p.scale;
-  pullTogether(b, i, spread<0>(p.force), d0 * spread<0>(p.scale));
-  pullTogether(b, i + 1, spread<1>(p.force), d1 * spread<1>(p.scale));
-  pullTogether(b, i + 2, spread<2>(p.force), d2 * spread<2>(p.scale));
-  pullTogether(b, i + 3, spread<3>(p.force), d3 * spread<3>(p.scale));
-}
-
-/// Returns the direction of one of four springs, as addForces() computes it. Only the inverse length is
-/// stored, which needs a quarter of the memory: large bodies are limited by memory bandwidth.
-template <int i>
-Quad directionOf(const SpringBatchBody& b, Index first, Quad inverseLength) {
-  const Quad* x = springBatches(b.position);
-  return (x[b.b[first + i]] - x[b.a[first + i]]) * spread<i>(inverseLength);
-}
-
-void push(const SpringBatchBody& b, Index spring, Quad impulse, Quad direction) {
-  const Quad j = impulse * direction;
-  const Index ia = b.a[spring], ib = b.b[spring];
-  Quad* v = springBatches(b.velocity);
-  const Quad* w = springBatches(b.inverseMass);
-  v[ia] = v[ia] + j * w[ia];
-  v[ib] = v[ib] - j * w[ib];
-}
-
-Quad closing(const SpringBatchBody& b, Index spring, Quad direction) {
-  const Quad* v = springBatches(b.velocity);
-  return direction * (v[b.b[spring]] - v[b.a[spring]]);
-}
-
-/// Does the same as damp() of verlet_kernel.h for four springs that share no point.
-void dampTogether(const SpringBatchBody& b, Index i, Quad factor) {
-  const Quad scale = springBatches(b.inverseLength)[i / 4];
-  const Quad n0 = directionOf<0>(b, i, scale), n1 = directionOf<1>(b, i, scale);
-  const Quad n2 = directionOf<2>(b, i, scale), n3 = directionOf<3>(b, i, scale);
-  const Columns c =
-      columns(closing(b, i, n0), closing(b, i + 1, n1), closing(b, i + 2, n2), closing(b, i + 3, n3));
-  const Quad impulse = factor * (c.x + (c.y + c.z));
-  push(b, i, spread<0>(impulse), n0);
-  push(b, i + 1, spread<1>(impulse), n1);
-  push(b, i + 2, spread<2>(impulse), n2);
-  push(b, i + 3, spread<3>(impulse), n3);
-}
-
-/// Applies one damper of a batch in which springs share points.
-template <int i>
-void dampOne(const SpringBatchBody& b, Index first, Quad factor) {
-  const Quad n = directionOf<i>(b, first, springBatches(b.inverseLength)[first / 4]);
-  const Quad c = closing(b, first + i, n);
-  push(b, first + i, spread<i>(factor) * all(Quad(), total(c)), n);
-}
-
-void dampInTurn(const SpringBatchBody& b, Index i, Quad factor, bool forward) {
-  if (forward) {
-    dampOne<0>(b, i, factor), dampOne<1>(b, i, factor), dampOne<2>(b, i, factor), dampOne<3>(b, i, factor);
-  } else {
-    dampOne<3>(b, i, factor), dampOne<2>(b, i, factor), dampOne<1>(b, i, factor), dampOne<0>(b, i, factor);
-  }
-}
-
-/// Returns y, z, x, 0.
-Quad rolled(Quad v) { return _mm256_permute4x64_pd(v, 0xC9); }
-
-/// Returns z, x, y, 0.
-Quad rolledBack(Quad v) { return _mm256_permute4x64_pd(v, 0xD2); }
-
-/// Does the same as sixVolumes() of verlet_kernel.h, but returns one sum per axis.
-Quad sixBatchVolumes(const VolumeBody& v, Index component, const Quad* x) {
-  Quad sum = all(Quad(), 0.0);
-  const Quad o = x[v.corners[3 * v.firstTriangle[component]]];
-  Quad* gradient = springBatches(v.gradient);
-  for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
-    const Index* corner = v.corners + 3 * t;
-    const Quad a = x[corner[0]];
-    const Quad b = x[corner[1]] - a, c = x[corner[2]] - a;
-    const Quad n = rolled(b) * rolledBack(c) - rolledBack(b) * rolled(c);
-    sum = sum + (a - o) * n;
-    for (Index k = 0; k < 3; ++k) gradient[corner[k]] = gradient[corner[k]] + n;
-  }
-  return sum;
-}
-
-/// Gives the same results as addVolumeForces() of verlet_kernel.h, to the bit.
-void addBatchVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
-  if (v.components == 0) return;
-  Quad *gradient = springBatches(v.gradient), *sums = springBatches(v.sums);
-  for (Index i = 0; i < v.points; ++i) gradient[i] = all(Quad(), 0.0);
-  for (Index c = 0; c < v.components; ++c) {
-    sums[2 * c] = sixBatchVolumes(v, c, x);
-    sums[2 * c + 1] = all(Quad(), 0.0);
-  }
-  for (Index i = 0; i < v.points; ++i) {
-    Quad& squares = sums[2 * v.componentOf[i] + 1];
-    squares = squares + w[i] * gradient[i] * gradient[i];
-  }
-  for (Index c = 0; c < v.components; ++c)
-    sums[2 * c] = all(Quad(), stablePush(total(sums[2 * c]), total(sums[2 * c + 1]), v.restVolume[c],
-                                         *v.modulus, *v.gasPressure, *v.ambient, v.timeStep));
-  for (Index i = 0; i < v.points; ++i) force[i] = force[i] + sums[2 * v.componentOf[i]] * gradient[i];
-}
-
-Vector<Quad> displacementFrom(const Quad* x, const Index* corners, Index to) {
-  const Columns w = columns(x[corners[to]] - x[corners[0]], x[corners[4 + to]] - x[corners[4]],
-                            x[corners[8 + to]] - x[corners[8]], x[corners[12 + to]] - x[corners[12]]);
-  return {w.x, w.y, w.z};
-}
-
-/// Four vectors, each as a Quad x, y, z, 0.
-struct Rows {
-  Quad row[4];
-};
 
 Rows rows(const Vector<Quad>& v) {
   const Quad zero = all(Quad(), 0.0);
@@ -177,89 +44,19 @@ Rows rows(const Vector<Quad>& v) {
            _mm256_permute2f128_pd(xy02, z02, 0x31), _mm256_permute2f128_pd(xy13, z13, 0x31)}};
 }
 
-/// Gives the same results as addTetrahedronForces() of verlet_kernel.h, to the bit.
-void addBatchTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
-  for (Index i = 0; i < t.count; i += 4) {
-    const Index* corners = t.corners + 4 * i;
-    const CornerForces<Quad> f = tetrahedronForces(
-        displacementFrom(x, corners, 1), displacementFrom(x, corners, 2), displacementFrom(x, corners, 3),
-        springBatches(t.inverseRest)[i / 4], springBatches(t.stabilityScale)[i / 4], all(Quad(), *t.modulus),
-        all(Quad(), *t.crushModulus));
-    const Rows b = rows(f.b), c = rows(f.c), d = rows(f.d);
-    for (Index k = 0; k < 4; ++k) {
-      const Index* corner = corners + 4 * k;
-      force[corner[0]] = force[corner[0]] - (b.row[k] + (c.row[k] + d.row[k]));
-      force[corner[1]] = force[corner[1]] + b.row[k];
-      force[corner[2]] = force[corner[2]] + c.row[k];
-      force[corner[3]] = force[corner[3]] + d.row[k];
-    }
-  }
-}
+/// Returns y, z, x, 0.
+Quad rolled(Quad v) { return _mm256_permute4x64_pd(v, 0xC9); }
 
-void computeForces(const SpringBatchPoints& p) {
-  for (Index i = 0; i < p.b.points; ++i) springBatches(p.b.force)[i] = all(Quad(), 0.0);
-  for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
-  addBatchVolumeForces(p.b.volumes, springBatches(p.b.position), springBatches(p.b.inverseMass),
-                       springBatches(p.b.force));
-  addBatchTetrahedronForces(p.b.tetrahedra, springBatches(p.b.position), springBatches(p.b.force));
-}
+/// Returns z, x, y, 0.
+Quad rolledBack(Quad v) { return _mm256_permute4x64_pd(v, 0xD2); }
 
-void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
-  const Quad* factors = springBatches(whole ? p.b.dampFull : p.b.dampHalf);
-  const Index groups = p.b.springs / 4;
-  for (Index k = 0; k < groups; ++k) {
-    const Index g = forward ? k : groups - 1 - k;
-    if (p.b.apart[g])
-      dampTogether(p.b, 4 * g, factors[g]);
-    else
-      dampInTurn(p.b, 4 * g, factors[g], forward);
-  }
-  // GCC leaves it out after a last batch in turn, and all code that follows in SSE becomes slower
-  _mm256_zeroupper();
-}
-
-void kick(const SpringBatchPoints& p, double dt) {
-  const Quad time = all(Quad(), dt);
-  Quad* v = springBatches(p.b.velocity);
-  const Quad *a = springBatches(p.b.acceleration), *f = springBatches(p.b.force),
-             *w = springBatches(p.b.inverseMass);
-  for (Index i = 0; i < p.b.points; ++i) v[i] = v[i] + time * (a[i] + f[i] * w[i]);
-}
-
-void drift(const SpringBatchPoints& p, double dt) {
-  const Quad time = all(Quad(), dt);
-  Quad* x = springBatches(p.b.position);
-  const Quad* v = springBatches(p.b.velocity);
-  for (Index i = 0; i < p.b.points; ++i) x[i] = x[i] + time * v[i];
-}
-
-double computeForcesAndChange(const SpringBatchPoints& p) {
-  const Quad *f = springBatches(p.b.force), *w = springBatches(p.b.inverseMass);
-  Quad* earlier = springBatches(p.b.earlierForce);
-  for (Index i = 0; i < p.b.points; ++i) earlier[i] = f[i];
-  computeForces(p);
-  Quad sum = all(Quad(), 0.0);
-  for (Index i = 0; i < p.b.points; ++i) {
-    const Quad change = (f[i] - earlier[i]) * w[i];
-    sum = sum + change * change;
-  }
-  return sum[0] + (sum[1] + sum[2]);
-}
+/// GCC leaves this out after a last batch in turn, and all code that follows in SSE becomes slower.
+void leaveKernel() { _mm256_zeroupper(); }
 
 }  // namespace
-
-double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps) {
-  return stepAlone<double>(SpringBatchPoints{body}, tick, substeps);
-}
-
-void computeBatchForces(const SpringBatchBody& body) { computeForces(SpringBatchPoints{body}); }
-void kickSpringBatches(const SpringBatchBody& body, double dt) { kick(SpringBatchPoints{body}, dt); }
-void driftSpringBatches(const SpringBatchBody& body, double dt) { drift(SpringBatchPoints{body}, dt); }
-void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward) {
-  if (body.damped) dampAll(SpringBatchPoints{body}, whole, forward);
-}
-
 }  // namespace limber::kernel
+
+#include "solver/spring_kernel.inl"
 
 #include "solver/target_end.h"
 #endif

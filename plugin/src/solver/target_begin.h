@@ -4,7 +4,13 @@
 // size, independent of the project's flags. Multiplications and additions are not fused, because all
 // instruction sets must give the same results, to the bit.
 
+#if defined(__aarch64__)  // NEON needs no flags
 #if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#else
+#pragma GCC optimize("fp-contract=off")
+#endif
+#elif defined(__clang__)
 #if LIMBER_PACK_BITS == 512
 #pragma clang attribute push(__attribute__((target("avx512f"))), apply_to = function)
 #elif LIMBER_PACK_BITS == 256

@@ -10,7 +10,9 @@
 // instruction set for which the including file is compiled. It is a plain vector type, because GCC would copy
 // a class with such a member through memory.
 
-#if defined(LIMBER_PACK_BITS)
+#if defined(LIMBER_PACK_BITS) && defined(__aarch64__)
+#include <arm_neon.h>
+#elif defined(LIMBER_PACK_BITS)
 #include <immintrin.h>
 #else
 #include <cmath>
@@ -26,7 +28,9 @@ typedef double Pack __attribute__((vector_size(LIMBER_PACK_BITS / 8)));
 
 namespace {
 
-#if LIMBER_PACK_BITS == 512
+#if defined(__aarch64__)
+inline float64x2_t squareRoot(float64x2_t x) { return vsqrtq_f64(x); }
+#elif LIMBER_PACK_BITS == 512
 // masked, because GCC 12 warns about its own header for the unmasked functions
 inline __m512d squareRoot(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
 #elif LIMBER_PACK_BITS == 256
@@ -452,7 +456,7 @@ inline V computeForcesAndChange(const Body<V>& body) {
 }
 
 /// Implements stepVerlet() of verlet_step.h for bodies without links. `Stepped` is Body<V> or another type
-/// with the same functions (spring_kernel_avx2.cpp). Returns the larger result of computeForcesAndChange() in
+/// with the same functions (spring_kernel.inl). Returns the larger result of computeForcesAndChange() in
 /// the middle and the last substep (only the last if `substeps` is odd).
 template <class V, class Stepped>
 inline V stepAlone(const Stepped& body, double tick, int substeps) {
