@@ -4,6 +4,7 @@
 // Contacts and hits of soft bodies.
 
 #include <limber/bullet_precision.h>
+#include <limber/export.h>
 #include <limber/soft_body.h>
 #include <limber/spring_constraint.h>
 
@@ -23,7 +24,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 struct SurfaceReference {
   SoftBody* body = nullptr;  ///< nullptr: the object is not the surface object of an existing soft body
 };
-SurfaceReference findSurface(const btCollisionObject* object);
+LIMBER_API SurfaceReference findSurface(const btCollisionObject* object);
 
 /// The point of a soft body that a ray, sweep or contact has hit.
 struct SurfaceHit {
@@ -39,7 +40,7 @@ struct SurfaceHit {
 
 /// Returns the hit for a `triangleIndex` as Bullet reports it (LocalShapeInfo::m_triangleIndex, or the index
 /// of contact tests) and a point in world coordinates.
-SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const btVector3& point);
+LIMBER_API SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const btVector3& point);
 
 // --- contacts ----------------------------------------------------------------------------------------------
 
@@ -78,7 +79,7 @@ struct SoftContact {
 /// nullptr if neither is, or if the manifold has no such contact. A manifold stores only part of a
 /// SoftContact: the position, for which the nearest point of the stored triangle is returned, and the
 /// impulses along and across the normal.
-SoftContact readContact(const btPersistentManifold& manifold, int point);
+LIMBER_API SoftContact readContact(const btPersistentManifold& manifold, int point);
 
 // --- listeners ---------------------------------------------------------------------------------------------
 
@@ -117,7 +118,7 @@ struct BrokenAnchor {
 ///
 /// A listener may read everything, apply forces and impulses, and remove rigid bodies from the world. Soft
 /// bodies that it destroys are deleted after all calls of the tick. It must not destroy the system.
-class ContactListener {
+class LIMBER_API ContactListener {
  public:
   virtual ~ContactListener() = default;
   virtual void contactBegins(const ContactPair&) {}

@@ -4,6 +4,7 @@
 // Makes soft bodies of any mesh and chooses what the user leaves open. Thread rule: any thread; calls are
 // independent.
 
+#include <limber/export.h>
 #include <limber/mesh.h>
 #include <limber/network_builder.h>
 #include <limber/result.h>
@@ -64,7 +65,7 @@ struct CookedMesh {
 /// - The mesh is drawn by a skin. Sheets are drawn by their own points, ropes as tubes.
 /// Deterministic. Takes seconds for 50 000 vertices. Errors: those of weld(), wrap() and of the builders;
 /// settings out of range; progress that returned false.
-Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings& settings = {});
+LIMBER_API Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings& settings = {});
 
 /// Returns the settings of a cooked body of this material: as withMaterial() for networks of tetrahedra, with
 /// the mass of the mesh's volume, of which tetrahedra fill a few percent more or less. For
@@ -72,7 +73,7 @@ Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings& settings =
 /// isotropic network; for sheets from  E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is
 /// exact for a lattice of equilateral triangles; for ropes from  k = E A / L.  Errors: those of
 /// withMaterial().
-Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
-                                      SoftBodySettings settings = {});
+LIMBER_API Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
+                                                 SoftBodySettings settings = {});
 
 }  // namespace limber

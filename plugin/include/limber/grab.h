@@ -3,6 +3,7 @@
 
 #include <limber/bullet_precision.h>
 #include <limber/contacts.h>
+#include <limber/export.h>
 #include <limber/handle.h>
 #include <limber/result.h>
 #include <limber/soft_body_system.h>
@@ -28,7 +29,7 @@ struct GrabSettings {
 ///
 /// The body, the system and the world may be destroyed before it; it then holds nothing. Thread rule: as for
 /// SoftBodySystem.
-class Grab {
+class LIMBER_API Grab {
  public:
   Grab() = default;
   ~Grab() { release(); }
@@ -46,7 +47,7 @@ class Grab {
   btVector3 force() const;                        ///< N on the body, at the end of the last tick
 
  private:
-  friend Result<Grab> grab(SoftBodySystem&, SoftBody*, std::uint32_t, const GrabSettings&);
+  friend LIMBER_API Result<Grab> grab(SoftBodySystem&, SoftBody*, std::uint32_t, const GrabSettings&);
 
   SoftBodySystem* system_ = nullptr;  // exists as long as one of the springs does
   Handle<SoftBody> body_;
@@ -57,9 +58,11 @@ class Grab {
 
 /// Grabs point i of a body, at its present position. Errors: no body of this system, no such point, a pinned
 /// point, invalid settings.
-Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const GrabSettings& settings = {});
+LIMBER_API Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i,
+                             const GrabSettings& settings = {});
 /// Grabs the point of a body that is nearest to a hit on its surface. Errors: also no hit.
-Result<Grab> grab(SoftBodySystem& system, const SurfaceHit& hit, const GrabSettings& settings = {});
+LIMBER_API Result<Grab> grab(SoftBodySystem& system, const SurfaceHit& hit,
+                             const GrabSettings& settings = {});
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

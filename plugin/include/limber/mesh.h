@@ -3,6 +3,7 @@
 
 // Triangle meshes: the input of networks. Thread rule: any thread; calls are independent.
 
+#include <limber/export.h>
 #include <limber/result.h>
 
 #include <Eigen/Core>
@@ -33,12 +34,12 @@ struct TriangleMesh {
 /// vertex 900 of 812"). Checks: there are vertices and triangles, indices are in range, positions are
 /// finite and within 1e9, and the optional arrays have one entry per vertex. Degenerate triangles are no
 /// error: weld() drops and counts them.
-Result<void> validate(const TriangleMesh& mesh);
+LIMBER_API Result<void> validate(const TriangleMesh& mesh);
 
 /// Writes a mesh as text, by the ending of the name: .obj or .ply, with normals and texture coordinates if
 /// the mesh has them. The file appears complete or not at all. Errors name the file: another ending, an
 /// invalid mesh, a file that cannot be written.
-Result<void> saveMesh(const TriangleMesh& mesh, const std::string& file);
+LIMBER_API Result<void> saveMesh(const TriangleMesh& mesh, const std::string& file);
 
 // --- welding -----------------------------------------------------------------------------------------------
 
@@ -64,7 +65,7 @@ struct MeshReport {
 };
 
 /// Returns a summary in one line: "24 vertices -> 8 points, 12 triangles, 1 component, watertight".
-std::string describe(const MeshReport& report);
+LIMBER_API std::string describe(const MeshReport& report);
 
 /// A mesh in which vertices of equal position are merged into one point.
 struct WeldedMesh {
@@ -79,7 +80,7 @@ struct WeldedMesh {
 /// welding the body would tear there.) `tolerance` is in metres. With 0, bit-equal positions are merged.
 /// Above 0, a vertex within the tolerance of earlier kept points is merged into the nearest of them. Errors:
 /// those of validate(mesh); a negative or non-finite tolerance; a mesh of degenerate triangles only.
-Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance = 0.0);
+LIMBER_API Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance = 0.0);
 
 // --- simplification ----------------------------------------------------------------------------------------
 
@@ -88,7 +89,7 @@ Result<WeldedMesh> weld(const TriangleMesh& mesh, double tolerance = 0.0);
 /// quadric error (Garland, Heckbert 1997) as long as the surface stays manifold and no triangle flips. Closed
 /// meshes stay closed; components stay separate. Normals and texture coordinates are dropped. Errors: those
 /// of weld(); `points` below 4.
-Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points);
+LIMBER_API Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points);
 
 // --- wrapping ----------------------------------------------------------------------------------------------
 
@@ -118,7 +119,7 @@ struct WrappedMesh {
 /// are filled. The surface lies within about half of `resolution` of the mesh, except at these places.
 /// Hollows enclosed by another component are filled. Deterministic. Errors: those of weld(); settings below 0
 /// or not finite; a resolution that needs more than ten million cells; a mesh without extent.
-Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings = {});
+LIMBER_API Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings = {});
 
 // --- files -------------------------------------------------------------------------------------------------
 
@@ -136,6 +137,6 @@ Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings 
 /// reading does not need.
 ///
 /// Thread rule: any thread; calls are independent. Needs the library limber_import (assimp).
-Result<TriangleMesh> importMesh(const std::string& path);
+LIMBER_IMPORT_API Result<TriangleMesh> importMesh(const std::string& path);
 
 }  // namespace limber

@@ -4,6 +4,7 @@
 // Analyses spring networks before they are used. Needs the library limber_analysis. Thread rule: any thread;
 // calls are independent.
 
+#include <limber/export.h>
 #include <limber/network_builder.h>
 #include <limber/spring_network.h>
 
@@ -92,9 +93,9 @@ struct NetworkAnalysis {
 
 /// Analyses a network that passes validate(). Deterministic. Takes seconds for a thousand points, independent
 /// of the stiffness scales.
-NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& settings = {});
+LIMBER_API NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& settings = {});
 
 /// Returns a report of some lines, each with a line end; remarks begin with "! ".
-std::string describe(const NetworkAnalysis& analysis);
+LIMBER_API std::string describe(const NetworkAnalysis& analysis);
 
 }  // namespace limber

@@ -3,6 +3,7 @@
 
 // Builds spring networks. Thread rule: any thread; calls are independent.
 
+#include <limber/export.h>
 #include <limber/parallel_for.h>
 #include <limber/result.h>
 #include <limber/soft_body_settings.h>
@@ -70,7 +71,7 @@ struct NetworkSettings {
 /// Builds a solid (or open surface) from a mesh: unique positions become point masses, unique triangle edges
 /// become springs. Closed surfaces whose normals point inward are flipped, in the surface and in the render
 /// surface. Deterministic. Errors: those of weld(); a setting out of range.
-Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings = {});
+LIMBER_API Result<SharedNetwork> buildNetwork(const TriangleMesh& mesh, const NetworkSettings& settings = {});
 
 struct RopeSettings {
   double length = 1.0;          ///< metres, along +x from the origin
@@ -81,7 +82,7 @@ struct RopeSettings {
 
 /// Builds a chain of points along +x. Errors: length not above 0, no segments, more than ten million points,
 /// negative bending scale.
-Result<SharedNetwork> buildRope(const RopeSettings& settings = {});
+LIMBER_API Result<SharedNetwork> buildRope(const RopeSettings& settings = {});
 
 struct ClothSettings {
   double width = 1.0;          ///< metres along x
@@ -99,7 +100,7 @@ struct ClothSettings {
 ///     o---o---o     structural: along x and z
 ///     | X | X |     shear:      both diagonals
 ///     o---o---o     bending:    o-------o  every second point along x and z
-Result<SharedNetwork> buildCloth(const ClothSettings& settings = {});
+LIMBER_API Result<SharedNetwork> buildCloth(const ClothSettings& settings = {});
 
 // --- networks of a material --------------------------------------------------------------------------------
 
@@ -122,7 +123,8 @@ struct MaterialMesh {
 /// points, half a minute for 6 000. Errors: those of weld(); a mesh that is not closed (with the number of
 /// its open edges; wrap() or cook() help) or encloses no volume; a component that is too thin for the
 /// lattice; sizes out of range; progress that returned false.
-Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const MaterialMesh& settings = {});
+LIMBER_API Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh,
+                                                      const MaterialMesh& settings = {});
 
 struct Material {
   double youngsModulus = 1e5;  ///< Pa, above 0
@@ -133,22 +135,22 @@ struct Material {
   /// w dampingTime / 2, on coarse and fine networks alike; default: the damping in the settings stays
   std::optional<double> dampingTime = std::nullopt;
 
-  static Material jelly();   ///< 5e4 Pa, wobbles: a body of 1 m sags by a tenth
-  static Material rubber();  ///< 1.5e6 Pa, natural rubber
-  static Material foam();    ///< 1e5 Pa, light and strongly damped
-  static Material stiff();   ///< 1e7 Pa, hard rubber
+  LIMBER_API static Material jelly();   ///< 5e4 Pa, wobbles: a body of 1 m sags by a tenth
+  LIMBER_API static Material rubber();  ///< 1.5e6 Pa, natural rubber
+  LIMBER_API static Material foam();    ///< 1e5 Pa, light and strongly damped
+  LIMBER_API static Material stiff();   ///< 1e7 Pa, hard rubber
 };
 
 /// Checks a material. The error is the first value that is out of range.
-Result<void> validate(const Material& material);
+LIMBER_API Result<void> validate(const Material& material);
 
 /// Returns the settings of a body of this material: spring constants, volume modulus, and the total mass at
 /// the scale in `settings`, and the damping if the material has one. All other values are those of
 /// `settings`. Modulus and ratio hold for small deformations. They are measured on the network with a few
 /// linear solves, which take seconds for 5 000 points. Errors: a network that was not made by
 /// buildMaterialNetwork; a value out of range.
-Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
-                                      SoftBodySettings settings = {});
+LIMBER_API Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
+                                                 SoftBodySettings settings = {});
 
 // --- skins -------------------------------------------------------------------------------------------------
 
@@ -174,11 +176,11 @@ struct SkinSettings {
 /// straight line, so that parts that almost touch do not drag each other. Errors: those of weld(); a network
 /// without a surface, or whose points lie in a plane; fewer than 4 neighbours; a dense skin of more than 20
 /// million weights.
-Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
-                               const SkinSettings& settings = {});
+LIMBER_API Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh& mesh,
+                                          const SkinSettings& settings = {});
 
 /// Computes the positions of all skinned points of `skin` (xyz, #skinned points x 3) from the positions of
 /// the points (xyz, #points x 3). `skinned` is written in order and never read.
-void applySkin(const Skin& skin, const float* points, float* skinned);
+LIMBER_API void applySkin(const Skin& skin, const float* points, float* skinned);
 
 }  // namespace limber

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/export.h>
 #include <limber/parallel_for.h>
 
 #include <cstddef>
@@ -18,7 +19,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 ///
 ///     limber::ThreadPool pool;
 ///     soft.setParallelFor(pool.parallelFor());
-class ThreadPool {
+class LIMBER_API ThreadPool {
  public:
   /// `threads`: number of threads that work, including the one that calls run(); 0: as many as the machine
   /// runs at the same time. At most 256.

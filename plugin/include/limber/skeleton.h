@@ -4,6 +4,7 @@
 // Bones that carry points of a soft body, such as the clothes of an animated character.
 
 #include <limber/bullet_precision.h>
+#include <limber/export.h>
 #include <limber/handle.h>
 #include <limber/result.h>
 #include <limber/soft_body.h>
@@ -42,7 +43,7 @@ struct BoundPoint {
 ///     auto skeleton = limber::Skeleton::bind(soft, *shirt, {{0, {{kSpine, 1.0}}},
 ///                                            {7, {{kSpine, 0.4}, {kArm, 0.6}}, 0.05, 0.0}}, bones);
 ///     skeleton->moveTo(bones);  // before each step of the world
-class Skeleton {
+class LIMBER_API Skeleton {
  public:
   Skeleton(Skeleton&&) = default;
   Skeleton& operator=(Skeleton&& other) noexcept;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/export.h>
 #include <limber/handle.h>
 #include <limber/result.h>
 #include <limber/soft_body_settings.h>
@@ -41,7 +42,7 @@ struct Tear {
 /// With Collision::Points these spheres are in the world. With Collision::Surface they are not, and the world
 /// has surfaceObject() instead. Bullet's own constraints then cannot act on the points (springs, anchors and
 /// pins can). Thread rule: the thread that steps the world, between steps.
-class SoftBody {
+class LIMBER_API SoftBody {
  public:
   ~SoftBody();
   SoftBody(const SoftBody&) = delete;
@@ -235,11 +236,11 @@ class SoftBody {
 
   /// Returns the number of substeps of the springs in the last tick; 0 while asleep.
   int substeps() const;
-  /// Returns a number that the bodies of the world have in common that were stepped together in the last tick,
-  /// because contacts, joints, springs or anchors couple them, also through rigid bodies; a body that was
-  /// stepped alone has one for itself. Surfaces that were near enough to meet in the tick count as touching.
-  /// The number stays as long as the first of these bodies and the bodies made before it stay. -1 while asleep,
-  /// and before the first tick. For debug pictures.
+  /// Returns a number that the bodies of the world have in common that were stepped together in the last
+  /// tick, because contacts, joints, springs or anchors couple them, also through rigid bodies; a body that
+  /// was stepped alone has one for itself. Surfaces that were near enough to meet in the tick count as
+  /// touching. The number stays as long as the first of these bodies and the bodies made before it stay. -1
+  /// while asleep, and before the first tick. For debug pictures.
   int island() const;
   /// Returns the smallest share of its stiffness that a spring, or the volume modulus, of this body has left
   /// because of Stepping::maxSubsteps: 1 without softening. At 0.01 the body may be deformed by 100 times
@@ -286,7 +287,7 @@ struct PointReference {
   SoftBody* body = nullptr;  ///< nullptr: the object is no point mass of an existing soft body
   std::uint32_t index = 0;
 };
-PointReference findPoint(const btCollisionObject* object);
+LIMBER_API PointReference findPoint(const btCollisionObject* object);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -3,6 +3,7 @@
 
 // All settings of soft bodies and of single springs.
 
+#include <limber/export.h>
 #include <limber/result.h>
 #include <limber/spring_network.h>
 #include <limber/surroundings.h>
@@ -143,16 +144,16 @@ struct SoftBodySettings {
   ElasticLimit elasticLimit;
 
   /// Returns the values of C. Hart's paper for its cube with edges of 1 m: k = 20 N/m, damping 0.2 N s/m.
-  static SoftBodySettings paper();
+  LIMBER_API static SoftBodySettings paper();
 };
 
 /// Checks settings. The error is the first invalid one and the reason ("totalMass is -1, must be from 1e-9 to
 /// 1e9"). SoftBodySystem::createBody() also checks the settings together with the network.
-Result<void> validate(const SoftBodySettings& settings);
+LIMBER_API Result<void> validate(const SoftBodySettings& settings);
 
 /// Returns the radius (m) of a body's point masses: the setting, or 2 % of the shortest spring at the body's
 /// scale.
-double pointRadius(const SpringNetwork& network, const SoftBodySettings& settings);
+LIMBER_API double pointRadius(const SpringNetwork& network, const SoftBodySettings& settings);
 
 // --- single springs ----------------------------------------------------------------------------------------
 
@@ -176,6 +177,6 @@ struct SpringSettings {
 };
 
 /// Checks settings. The error is the first invalid one and the reason.
-Result<void> validate(const SpringSettings& settings);
+LIMBER_API Result<void> validate(const SpringSettings& settings);
 
 }  // namespace limber

@@ -3,6 +3,7 @@
 
 #include <limber/bullet_precision.h>
 #include <limber/contact_filter.h>
+#include <limber/export.h>
 #include <limber/parallel.h>
 #include <limber/result.h>
 #include <limber/soft_body.h>
@@ -30,7 +31,7 @@ class ContactListener;
 /// (findPoint()), a surface object (findSurface()), or the step boundary. The step boundary has no shape and
 /// no mass. Systems with bodies of Collision::Surface add it after SoftBody::point() has been called, to
 /// distinguish one stepSimulation() call from the next.
-bool isSystemObject(const btCollisionObject* object);
+LIMBER_API bool isSystemObject(const btCollisionObject* object);
 
 /// State of the connection between the world's steps and the springs.
 enum class HookState : std::uint8_t {
@@ -75,7 +76,7 @@ struct TickProfile {
 /// constraints; forget(body) removes all springs and anchors of one body. Springs on a point mass that the
 /// application deletes are removed with it. Thread rule: the thread that steps the world, between steps, or
 /// within a step in callbacks and actions of the world.
-class SoftBodySystem {
+class LIMBER_API SoftBodySystem {
  public:
   /// The caller that steps the springs.
   enum class Hook : std::uint8_t {
@@ -253,7 +254,7 @@ class SoftBodySystem {
 /// schedulers (btCreateDefaultTaskScheduler(), btGetTBBTaskScheduler(), ...) or the user's own. The scheduler
 /// must outlive it. Where Bullet was built without BT_THREADSAFE, as Debian's is, its functions return
 /// nullptr for all schedulers but the sequential one.
-ParallelFor parallelForOf(btITaskScheduler& scheduler);
+LIMBER_API ParallelFor parallelForOf(btITaskScheduler& scheduler);
 
 /// Makes the dispatcher compute contacts between spheres and boxes with Bullet's closed form
 /// (btSphereBoxCollisionAlgorithm) instead of its general convex algorithm. This holds for pairs that are
@@ -261,7 +262,7 @@ ParallelFor parallelForOf(btITaskScheduler& scheduler);
 /// sometimes reports a sphere that rests on a box as centimetres above it. Single spheres and the point
 /// masses of bodies with Collision::Points are affected. Contacts of spheres with spheres or triangles
 /// already have closed forms.
-void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher);
+LIMBER_API void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

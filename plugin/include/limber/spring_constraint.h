@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/bullet_precision.h>
+#include <limber/export.h>
 #include <limber/handle.h>
 #include <limber/soft_body_settings.h>
 
@@ -24,7 +25,7 @@ struct SpringEnd {
 /// A single spring between two ends, created by SoftBodySystem::addSpring(). It is stepped within the tick
 /// together with the bodies it is attached to, so its stiffness is in SI units and it is always stable.
 /// Thread rule: as for SoftBodySystem.
-class SpringConstraint {
+class LIMBER_API SpringConstraint {
  public:
   SpringConstraint(const SpringConstraint&) = delete;
   SpringConstraint& operator=(const SpringConstraint&) = delete;

@@ -4,6 +4,7 @@
 // Spring networks: the shapes of soft bodies, and their files. Thread rule: any thread; calls are
 // independent.
 
+#include <limber/export.h>
 #include <limber/mesh.h>
 #include <limber/result.h>
 
@@ -86,36 +87,36 @@ using SharedNetwork = std::shared_ptr<const SpringNetwork>;
 
 /// Returns the network with a group of these points and of all springs between them. Errors: an empty name,
 /// or one that the network has already; a point that it does not have.
-Result<SharedNetwork> withGroup(const SpringNetwork& network, const std::string& name,
-                                std::vector<std::uint32_t> points);
+LIMBER_API Result<SharedNetwork> withGroup(const SpringNetwork& network, const std::string& name,
+                                           std::vector<std::uint32_t> points);
 
 /// Checks a network. The error is the first violation of the conditions stated at SpringNetwork's members,
 /// with its index.
-Result<void> validate(const SpringNetwork& network);
+LIMBER_API Result<void> validate(const SpringNetwork& network);
 
 // --- files -------------------------------------------------------------------------------------------------
 
 /// Returns a network as the bytes of a `.limber` file: magic number, version, size, hash, then the arrays of
 /// the members, little-endian on every machine. Equal networks give equal bytes.
-std::vector<std::uint8_t> toBytes(const SpringNetwork& network);
+LIMBER_API std::vector<std::uint8_t> toBytes(const SpringNetwork& network);
 
 /// Returns the network that toBytes() wrote, bit for bit. Errors, each with its cause: not a .limber file; a
 /// version that this library does not support; a file shorter or longer than its header states; a wrong hash;
 /// arrays of inconsistent sizes; and everything that validate(SpringNetwork) reports. Never reads past
 /// `size`, never allocates more than about `size`.
-Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size);
+LIMBER_API Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size);
 
 /// Writes the file under a temporary name and renames it, so that an incomplete file never exists under the
 /// final name. Errors name the file; networks that validate(SpringNetwork) rejects are not written.
-Result<void> saveNetwork(const SpringNetwork& network, const std::string& file);
+LIMBER_API Result<void> saveNetwork(const SpringNetwork& network, const std::string& file);
 
 /// Writes points (#points, m) and the springs between them for other programs to look at: .obj with lines, or
 /// .ply with edges and their kinds. Errors name the file: another ending or number of points, a file that
 /// cannot be written.
-Result<void> saveSprings(const SpringNetwork& network, const std::vector<Eigen::Vector3d>& points,
-                         const std::string& file);
+LIMBER_API Result<void> saveSprings(const SpringNetwork& network, const std::vector<Eigen::Vector3d>& points,
+                                    const std::string& file);
 
 /// Reads a file with fromBytes(). Errors contain the file's name.
-Result<SharedNetwork> loadNetwork(const std::string& file);
+LIMBER_API Result<SharedNetwork> loadNetwork(const std::string& file);
 
 }  // namespace limber

@@ -4,6 +4,7 @@
 // What surrounds soft bodies: air, water and fields of force. SoftBodySystem::setAir(), setWater() and
 // addField() set them; SoftBodySettings::flow has the coefficients of a body.
 
+#include <limber/export.h>
 #include <limber/result.h>
 
 #include <Eigen/Core>
@@ -65,12 +66,12 @@ struct Water {
 /// Returns gusts for Air::windAt: frozen turbulence that the mean wind (m/s) carries along, at most
 /// `strength` (m/s) fast and mostly along the mean wind, with eddies about `size` (m, above 0) across. It is
 /// the same in every run.
-WindFunction gusts(const Eigen::Vector3d& meanWind, double strength, double size);
+LIMBER_API WindFunction gusts(const Eigen::Vector3d& meanWind, double strength, double size);
 
 /// Checks settings. The error is the first invalid field and the reason.
-Result<void> validate(const Air& air);
-Result<void> validate(const Water& water);
-Result<void> validate(const FlowCoefficients& flow);
+LIMBER_API Result<void> validate(const Air& air);
+LIMBER_API Result<void> validate(const Water& water);
+LIMBER_API Result<void> validate(const FlowCoefficients& flow);
 
 // --- fields ------------------------------------------------------------------------------------------------
 
