@@ -2,13 +2,15 @@
 #   1. LIMBER_BULLET_TARGET, a target named by the user
 #   2. a target that the parent project already has (Conan, hand-written, Bullet's own source tree)
 #   3. BULLET_INCLUDE_DIRS and BULLET_LIBRARIES, when the parent has set them
-#   4. CMake's FindBullet module (float), pkg-config bullet-float64 (double)
-# Bullet's own CONFIG package is never used: on Debian it holds relative paths and names a library that
-# libbullet-dev does not ship. Its variables are told from good ones by the relative path.
+#   4. with LIMBER_USE_BULLET_CONFIG, Bullet's own CONFIG package, as of vcpkg or of Bullet's installation
+#   5. CMake's FindBullet module (float), pkg-config bullet-float64 (double)
+# The CONFIG package has to be asked for: on Debian its paths are relative, and it names a library that libbullet-dev
+# does not ship. Variables that it left are told from good ones by the relative path.
 if(TARGET limber::bullet)
   return()
 endif()
 set(LIMBER_BULLET_TARGET "" CACHE STRING "Target to use as Bullet; empty: look for one")
+option(LIMBER_USE_BULLET_CONFIG "Use the CONFIG package that Bullet installs" OFF)
 
 set(_limber_bullet_includes "")
 if(LIMBER_BULLET_TARGET)
@@ -25,6 +27,9 @@ elseif(TARGET BulletDynamics)
 elseif(BULLET_LIBRARIES AND IS_ABSOLUTE "${BULLET_INCLUDE_DIRS}")
   set(_limber_bullet_libraries ${BULLET_LIBRARIES})
   set(_limber_bullet_includes ${BULLET_INCLUDE_DIRS})
+elseif(LIMBER_USE_BULLET_CONFIG)
+  include(${CMAKE_CURRENT_LIST_DIR}/LimberBulletConfig.cmake)
+  limber_bullet_of_config(_limber_bullet_libraries _limber_bullet_includes)
 elseif(LIMBER_DOUBLE)
   find_package(PkgConfig REQUIRED)
   pkg_check_modules(LIMBER_BULLET64 REQUIRED IMPORTED_TARGET GLOBAL bullet-float64)
