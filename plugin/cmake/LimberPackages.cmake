@@ -1,0 +1,58 @@
+# What CPack makes: Debian packages of the install components. Shared libraries are a package of their own:
+#   cmake -S limber -B build -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_SKIP_INSTALL_RPATH=ON -DBUILD_SHARED_LIBS=ON
+#     -DLIMBER_TESTS=OFF -DLIMBER_BENCH=OFF
+#   cmake --build build && (cd build && cpack -G DEB)
+set(CPACK_PACKAGE_NAME limber)
+set(CPACK_PACKAGE_VENDOR "The Limber authors")
+set(CPACK_PACKAGE_CONTACT "The Limber authors <limber@localhost>" CACHE STRING "Maintainer of the packages")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
+
+set(library_package liblimber${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set(CPACK_COMPONENTS_ALL dev)
+set(needed_by_dev libeigen3-dev "libbullet-dev (>= 3.24)")
+if(BUILD_SHARED_LIBS)
+  list(APPEND CPACK_COMPONENTS_ALL runtime)
+  list(APPEND needed_by_dev "${library_package} (= ${PROJECT_VERSION})")
+endif()
+if(LIMBER_IMPORT)
+  list(APPEND needed_by_dev libassimp-dev)
+endif()
+if(LIMBER_RENDER)
+  list(APPEND needed_by_dev libpng-dev zlib1g-dev)
+endif()
+if(TARGET limber-cook)
+  list(APPEND CPACK_COMPONENTS_ALL tools)
+endif()
+list(JOIN needed_by_dev ", " needed_by_dev)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/plugin)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_STRIP_FILES ON)
+
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME ${library_package})
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${PROJECT_DESCRIPTION}: shared libraries")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME liblimber-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${needed_by_dev}")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "${PROJECT_DESCRIPTION}: headers, libraries to link, CMake and pkg-config files")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME limber-tools)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION utils)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "libegl1 | libosmesa6")  # opened at run time, for pictures
+set(CPACK_COMPONENT_TOOLS_DESCRIPTION "${PROJECT_DESCRIPTION}: limber-cook makes soft bodies of mesh files")
+
+# Debian's place of the licence
+set(package_of_runtime ${library_package})
+set(package_of_dev liblimber-dev)
+set(package_of_tools limber-tools)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${package_of_${component}} RENAME copyright
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+endforeach()
+include(CPack)
