@@ -51,7 +51,11 @@ const StandingCase kCases[] = {
     {"fineCube", [] { return braced(small_meshes::cube(3)); }, false},
     {"lShape", [] { return braced(test_shapes::lShape()); }, false},
     {"cylinder", [] { return braced(test_shapes::cylinder()); }, false, 0.8},
-    {"tallBox", [] { return braced(scaled(small_meshes::cube(3), {0.3, 1.0, 0.3})); }, false},
+    {"tallBox",
+     [] {
+       return braced(scaled(small_meshes::cube(3), {0.3, 1.0, 0.3}));
+     },
+     false},
 };
 
 double heightOf(const Points& x) { return x.row(1).maxCoeff() - x.row(1).minCoeff(); }

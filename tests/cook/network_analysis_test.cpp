@@ -73,14 +73,15 @@ TEST(Analyse, tooSoftForItsWeight) {
   settings.runs = 0;
   settings.totalMass = 1000.0;
   const NetworkAnalysis heavy = analyse(*limber::test::closedCubeNetwork(), settings);
-  EXPECT_NEAR(*heavy.standingStiffness, 1000.0 * *analyseQuickly(*limber::test::closedCubeNetwork()).standingStiffness,
+  EXPECT_NEAR(*heavy.standingStiffness,
+              1000.0 * *analyseQuickly(*limber::test::closedCubeNetwork()).standingStiffness,
               1e-9 * *heavy.standingStiffness);
   settings.stiffness = 0.5 * *heavy.standingStiffness;
-  EXPECT_TRUE(
-      hasRemark(analyse(*limber::test::closedCubeNetwork(), settings), "below 90 % of its height under its own weight"));
+  EXPECT_TRUE(hasRemark(analyse(*limber::test::closedCubeNetwork(), settings),
+                        "below 90 % of its height under its own weight"));
   settings.stiffness = 2.0 * *heavy.standingStiffness;
-  EXPECT_FALSE(
-      hasRemark(analyse(*limber::test::closedCubeNetwork(), settings), "below 90 % of its height under its own weight"));
+  EXPECT_FALSE(hasRemark(analyse(*limber::test::closedCubeNetwork(), settings),
+                         "below 90 % of its height under its own weight"));
 }
 
 TEST(Analyse, flatBodiesAreJudgedInTheirPlane) {

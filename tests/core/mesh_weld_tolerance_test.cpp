@@ -132,7 +132,7 @@ TEST(MeshWeldTolerance, agreesWithSearchOfAll) {
       EXPECT_EQ(result->points[point], expected[i]) << "vertex " << i << ", tolerance " << tolerance;
     }
     EXPECT_GT(result->report.points, 20u);
-    EXPECT_EQ(result->report.points < mesh.positions.size(), tolerance > 0.05) << tolerance;
+    EXPECT_EQ(result->report.points<mesh.positions.size(), tolerance> 0.05) << tolerance;
   }
 }
 

@@ -168,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Expected{"cube", 8, 12, 18, 6, 2, 1.0, 1e-6, {1, 1, 1}},
         Expected{"icosphere", 162, 320, 480, 0, 2, 4.0 / 3.0 * kPi * 0.125, 0.06, {1, 1, 1}},
-        Expected{"torus", 128, 256, 384, 128, 0, 2.0 * kPi * kPi * 0.35 * 0.15 * 0.15, 0.13, {1, 0.3, 1}},
+        Expected{"torus", 128, 256, 384, 128, 0, 2.0 * kPi* kPi * 0.35 * 0.15 * 0.15, 0.13, {1, 0.3, 1}},
         Expected{"cylinder", 74, 144, 216, 132, 2, cylinderVolume(), 1e-6, {0.7, 1, 0.7}},
         Expected{"l_shape", 90, 176, 264, 132, 2, 0.75, 1e-6, {1, 1, 1}},
         Expected{"star", 162, 320, 480, 0, 2, 0.162, 0.2, {1, 1, 1}},

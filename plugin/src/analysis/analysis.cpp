@@ -363,7 +363,8 @@ namespace {
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
-std::string line(const char* format, ...) {
+std::string
+line(const char* format, ...) {
   char text[200];
   va_list values;
   va_start(values, format);
@@ -405,7 +406,8 @@ std::string describe(const NetworkAnalysis& a) {
   text += line("globally rigid      %s", globalRigidity(a));
   text += returnLines(a);
   if (a.standingStiffness && *a.standingStiffness > 0.0 && std::isfinite(*a.standingStiffness))
-    text += line("own weight          stands at 90 %% of its height with springs of %.3g N/m", *a.standingStiffness);
+    text += line("own weight          stands at 90 %% of its height with springs of %.3g N/m",
+                 *a.standingStiffness);
   text += line("time step           %.3g s critical, %.3g s safe", a.criticalTimeStep, a.safeTimeStep);
   if (a.volume > 0.0) text += line("springs outside     %zu", a.springsOutside);
   for (const std::string& remark : a.remarks) text += "! " + remark + "\n";

@@ -260,7 +260,8 @@ Result<void> pushBody(SoftBodyData& body, const btVector3& push, bool asForce) {
   const double mass = totalMass(body.state);
   if (!(mass > 0.0)) return {};
   const Vector3d perMass = toEigen(push) / mass;
-  pushAll(body, [&](Eigen::Index i) -> Vector3d { return massOfPoint(body, i) * perMass; }, asForce);
+  pushAll(
+      body, [&](Eigen::Index i) -> Vector3d { return massOfPoint(body, i) * perMass; }, asForce);
   return {};
 }
 

@@ -100,12 +100,14 @@ void writeSkin(SoftBodyData& body, WritePoints writePoints, float* xyz) {
 
 void SoftBody::writePositions(float* xyz) const {
   readObject(*data_);
-  writeEach(*data_, [&](std::uint32_t i) { return currentPosition(*data_, i); }, xyz);
+  writeEach(
+      *data_, [&](std::uint32_t i) { return currentPosition(*data_, i); }, xyz);
 }
 
 void SoftBody::writePositions(float* xyz, double tickFraction) const {
   readObject(*data_);
-  writeEach(*data_, [&](std::uint32_t i) { return positionAt(*data_, i, tickFraction); }, xyz);
+  writeEach(
+      *data_, [&](std::uint32_t i) { return positionAt(*data_, i, tickFraction); }, xyz);
 }
 
 std::uint32_t SoftBody::skinnedPointCount() const {
@@ -114,11 +116,13 @@ std::uint32_t SoftBody::skinnedPointCount() const {
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz) const {
-  writeSkin(*data_, [&](float* points) { writePositions(points); }, xyz);
+  writeSkin(
+      *data_, [&](float* points) { writePositions(points); }, xyz);
 }
 
 void SoftBody::writeSkinnedPositions(float* xyz, double tickFraction) const {
-  writeSkin(*data_, [&](float* points) { writePositions(points, tickFraction); }, xyz);
+  writeSkin(
+      *data_, [&](float* points) { writePositions(points, tickFraction); }, xyz);
 }
 
 TriangleMesh SoftBody::surfaceMesh() const {

@@ -78,10 +78,10 @@ std::vector<Eigen::Vector3d> vertexNormals(const std::vector<Eigen::Vector3d>& p
 std::vector<bool> facingInward(const std::vector<Eigen::Vector3d>& points,
                                const std::vector<Triangle>& triangles);
 
-/// Returns which triangles must be flipped, #triangles, so that every patch is oriented consistently and faces
-/// outward, for meshes that need not be closed or consistent. A patch is a set of triangles joined by edges of
-/// two triangles. Curved patches face away from their own middle. Flat ones keep the orientation of the mesh
-/// if it is consistent, and else face away from the middle of the mesh.
+/// Returns which triangles must be flipped, #triangles, so that every patch is oriented consistently and
+/// faces outward, for meshes that need not be closed or consistent. A patch is a set of triangles joined by
+/// edges of two triangles. Curved patches face away from their own middle. Flat ones keep the orientation of
+/// the mesh if it is consistent, and else face away from the middle of the mesh.
 std::vector<bool> patchesFacingInward(const std::vector<Eigen::Vector3d>& points,
                                       const std::vector<Triangle>& triangles);
 

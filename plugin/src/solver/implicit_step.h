@@ -70,7 +70,7 @@ bool followDisplacement(MidpointContacts& contacts, const Points& found, const P
 bool hasLoads(const MidpointContacts& contacts);
 
 /// Adds the loads, or their change, to the 3 x #points right hand side.
-void addLoads(const MidpointContacts& contacts, Eigen::Vector3d RowLoad::* part, Points& rightHandSide);
+void addLoads(const MidpointContacts& contacts, Eigen::Vector3d RowLoad::*part, Points& rightHandSide);
 
 /// Finishes a span of h/2 (displacementFactor 1) or h: points with a load stay at the surface, and the rows
 /// get their impulses.

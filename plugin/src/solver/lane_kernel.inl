@@ -18,8 +18,9 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
   body.points = {b.points,       packs(b.position),     packs(b.velocity),
                  packs(b.force), packs(b.acceleration), packs(b.inverseMass)};
   const VolumeBody& v = b.volumes;
-  body.volumes = {v.components, v.points,   v.firstTriangle,   v.corners,     v.componentOf, v.restVolume,
-                  v.modulus,    v.gasPressure, v.ambient, packs(v.gradient), packs(v.sums), v.timeStep};
+  body.volumes = {v.components,  v.points,          v.firstTriangle, v.corners,
+                  v.componentOf, v.restVolume,      v.modulus,       v.gasPressure,
+                  v.ambient,     packs(v.gradient), packs(v.sums),   v.timeStep};
   const TetrahedronBody& t = b.tetrahedra;
   body.tetrahedra = {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
   body.hasDampers = b.damped;

@@ -154,7 +154,7 @@ bool hasLoads(const MidpointContacts& c) {
   return std::any_of(c.loads.begin(), c.loads.end(), [](const RowLoad& l) { return !l.load.isZero(0.0); });
 }
 
-void addLoads(const MidpointContacts& c, Eigen::Vector3d RowLoad::* part, Points& rightHandSide) {
+void addLoads(const MidpointContacts& c, Eigen::Vector3d RowLoad::*part, Points& rightHandSide) {
   for (std::size_t r = 0; r < c.loads.size(); ++r) rightHandSide.col((*c.rows)[r].point) += c.loads[r].*part;
 }
 

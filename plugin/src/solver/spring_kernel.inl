@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The code of spring_kernel_*.cpp. Before it they define, in limber::kernel: Quad, four doubles, with its arithmetic,
-// and Columns, Rows and the functions that move numbers within Quads.
+// The code of spring_kernel_*.cpp. Before it they define, in limber::kernel: Quad, four doubles, with its
+// arithmetic, and Columns, Rows and the functions that move numbers within Quads.
 
 namespace limber::kernel {
 namespace {
