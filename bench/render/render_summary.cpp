@@ -88,8 +88,8 @@ std::string skinTable(const std::vector<SkinCostRow>& rows) {
       rows[0].points, "bodies", "vertices", "", "", "upload", "own", "frame", "process", "MB/frame", "MB");
   for (const SkinCostRow& row : rows)
     text += format("  %6zu %8zu %-7s %-8s %9.3f %9.3f %9.3f %9.3f %9.3f %9.2f\n", row.bodies, row.vertices,
-                   row.weights.c_str(), row.way.c_str(), row.times.upload, row.times.own,
-                   row.times.frame, row.times.process, 1e-6 * static_cast<double>(row.bytes),
+                   row.weights.c_str(), row.way.c_str(), row.times.upload, row.times.own, row.times.frame,
+                   row.times.process, 1e-6 * static_cast<double>(row.bytes),
                    1e-6 * static_cast<double>(row.bufferBytes));
   return text;
 }

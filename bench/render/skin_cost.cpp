@@ -83,8 +83,7 @@ void arrange(FrameScene& scene, std::size_t bodies) {
   const Eigen::Vector3f first = scene.centres.col(0);
   scene.centres.resize(3, static_cast<Eigen::Index>(bodies));
   for (Eigen::Index i = 0; i < scene.centres.cols(); ++i)
-    scene.centres.col(i) =
-        first + kDistance * Eigen::Vector3f(float(i % columns), 0.0f, float(i / columns));
+    scene.centres.col(i) = first + kDistance * Eigen::Vector3f(float(i % columns), 0.0f, float(i / columns));
 }
 
 /// Who computes the places: the renderer on the GPU or on the CPU, or the program, which streams them.
@@ -193,9 +192,9 @@ std::vector<SkinCostRow> measureSkinCost(const DrawContext& context, const SkinL
 }
 
 std::vector<std::string> skinColumns() {
-  return {"weights",   "way",       "bodies",  "vertices", "points", "weight_count",    "upload_ms",
-          "submit_ms", "finish_ms", "read_ms", "frame_ms", "own_ms", "process_ms",      "bytes_per_frame",
-          "buffer_mb"};
+  return {"weights",      "way",       "bodies",     "vertices",        "points",
+          "weight_count", "upload_ms", "submit_ms",  "finish_ms",       "read_ms",
+          "frame_ms",     "own_ms",    "process_ms", "bytes_per_frame", "buffer_mb"};
 }
 
 std::vector<std::string> skinCells(const SkinCostRow& r) {

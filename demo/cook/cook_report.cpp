@@ -165,8 +165,9 @@ Json analysisJson(const NetworkAnalysis& a) {
           {"returns", returnsJson(a)},
           {"pieces", a.pieces},
           {"endedEarly", a.endedEarly},
-          {"standingStiffness",
-           a.standingStiffness && std::isfinite(*a.standingStiffness) ? Json(*a.standingStiffness) : Json(nullptr)},
+          {"standingStiffness", a.standingStiffness && std::isfinite(*a.standingStiffness)
+                                    ? Json(*a.standingStiffness)
+                                    : Json(nullptr)},
           {"criticalTimeStep", a.criticalTimeStep},
           {"safeTimeStep", a.safeTimeStep},
           {"springsOutside", a.springsOutside},
