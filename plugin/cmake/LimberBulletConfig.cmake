@@ -1,5 +1,5 @@
 # Reads Bullet's own CONFIG package, whose variables are paths relative to BULLET_ROOT_DIR (Bullet's installation) or
-# absolute, and whose libraries are names, files or targets (vcpkg).
+# absolute, and whose libraries are names, files or targets (vcpkg); or which makes one target (Conan).
 
 # Sets `libraries` to BulletDynamics, BulletCollision and LinearMath of the package, `includes` to its include folders.
 function(limber_bullet_of_config libraries includes)
@@ -8,6 +8,11 @@ function(limber_bullet_of_config libraries includes)
     list(PREPEND files BulletConfig-float64.cmake)  # Debian's name
   endif()
   find_package(Bullet CONFIG REQUIRED CONFIGS ${files})
+  if(TARGET Bullet::Bullet)
+    set(${libraries} Bullet::Bullet PARENT_SCOPE)
+    set(${includes} "" PARENT_SCOPE)
+    return()
+  endif()
 
   set(found "")
   foreach(name IN ITEMS BulletDynamics BulletCollision LinearMath)
