@@ -2,6 +2,8 @@
 
 // This file is the thread pool, and the adapter of Bullet's task scheduler.
 
+#include "bullet/hidden.h"
+
 #include <limber/parallel.h>
 #include <limber/soft_body_system.h>
 
@@ -44,7 +46,7 @@ void lookFor(Done done) {
 
 }  // namespace
 
-struct ThreadPool::Impl {
+struct LIMBER_HIDDEN ThreadPool::Impl {
   explicit Impl(unsigned workers) {
     for (unsigned i = 0; i < workers; ++i) threads.emplace_back([this] { work(); });
   }

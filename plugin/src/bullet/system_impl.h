@@ -6,6 +6,7 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
+#include "bullet/hidden.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/parallel.h"
@@ -30,7 +31,7 @@ void warnOnStandardError(const std::string& text);
 
 /// The implementation of SoftBodySystem. The user's functions are in soft_body_system.cpp, the tick is in
 /// tick.cpp.
-struct SoftBodySystem::Impl final : TickListener {
+struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
   struct WorldStep;
 
   Impl(btDiscreteDynamicsWorld& w, Hook h);
@@ -81,7 +82,7 @@ struct SoftBodySystem::Impl final : TickListener {
 
 /// The step of all systems of one world. Their bodies touch each other, and Bullet's contacts are read and
 /// reported once. The first system whose tick begins steps all of them.
-struct SoftBodySystem::Impl::WorldStep {
+struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   /// Returns the step that the world's systems share.
   static std::shared_ptr<WorldStep> of(btDiscreteDynamicsWorld& world);
 
