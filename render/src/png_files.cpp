@@ -5,7 +5,6 @@
 #include "pixels.h"
 
 #include <png.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -56,7 +56,7 @@ class AtomicFile {
 
 AtomicFile::AtomicFile(std::string path)
     : path_(std::move(path)),
-      temporary_(path_ + ".part" + std::to_string(getpid())),
+      temporary_(path_ + ".part" + std::to_string(std::random_device{}())),
       file_(std::fopen(temporary_.c_str(), "wb")) {
   if (file_ == nullptr) {
     fail(errno);
