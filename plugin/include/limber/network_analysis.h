@@ -32,7 +32,7 @@ struct ReturnRate {
   std::uint32_t mirrored = 0;  ///< of the runs that did not return: those that ended as the exact mirror
                                ///< image
   double rate() const { return runs ? double(returned) / runs : 0.0; }
-  double standardError() const;  ///< of rate(), binomial
+  LIMBER_API double standardError() const;  ///< of rate(), binomial
 };
 
 struct AnalysisSettings {
@@ -71,7 +71,7 @@ struct NetworkAnalysis {
 
   // Large deformations. Only for solids: ropes and cloths are meant to fold.
   std::array<ReturnRate, kDeformations> returns;
-  ReturnRate allReturns() const;  ///< sum of the first five kinds
+  LIMBER_API ReturnRate allReturns() const;  ///< sum of the first five kinds
 
   std::optional<double>
       standingStiffness;          ///< N/m of a spring of stiffnessScale 1. With it the body, or its
