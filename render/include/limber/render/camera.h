@@ -15,8 +15,9 @@ struct Camera {
   float farPlane = 200.0f;
 };
 
-/// Returns a camera that sees all of a bounding box from as near as possible, with equal room on opposite sides.
-/// `direction` points from the scene to the camera and need not be a unit vector. `aspect` is width / height.
+/// Returns a camera that sees all of a bounding box from as near as possible, with equal room on opposite
+/// sides. `direction` points from the scene to the camera and need not be a unit vector. `aspect` is width /
+/// height.
 Camera frameBox(Vec3 min, Vec3 max, Vec3 direction, float aspect);
 
 /// Returns this camera rotated by `angle` (radians) about the vertical axis through the centre of the box.
