@@ -7,6 +7,7 @@
 
 #include <limber/render/gl_context.h>
 #include <limber/render/renderer.h>
+#include <limber/render/text.h>
 
 #include <algorithm>
 #include <array>
@@ -98,62 +99,15 @@ render::Scenery farWalls(const SpringNetwork& network, double distance) {
 
 namespace {
 
-constexpr int kGlyphWidth = 5, kGlyphHeight = 7;  // dots
-constexpr int kLineDots = 10, kStepDots = 6;      // from line to line, from letter to letter
+constexpr int kSquare = 7, kLine = 11, kGap = 6;  // dots
 constexpr render::Vec3 kInk{0.15f, 0.15f, 0.17f};
-
-// 0 to 9 and a to z: seven rows from the top, five dots each, the leftmost in the highest bit
-constexpr std::array<std::array<std::uint8_t, kGlyphHeight>, 36> kGlyphs{{
-    {0x0e, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0e},  // 0
-    {0x04, 0x0c, 0x04, 0x04, 0x04, 0x04, 0x0e},  // 1
-    {0x0e, 0x11, 0x01, 0x06, 0x08, 0x10, 0x1f},  // 2
-    {0x1e, 0x01, 0x01, 0x0e, 0x01, 0x01, 0x1e},  // 3
-    {0x02, 0x06, 0x0a, 0x12, 0x1f, 0x02, 0x02},  // 4
-    {0x1f, 0x10, 0x1e, 0x01, 0x01, 0x11, 0x0e},  // 5
-    {0x06, 0x08, 0x10, 0x1e, 0x11, 0x11, 0x0e},  // 6
-    {0x1f, 0x01, 0x02, 0x04, 0x08, 0x08, 0x08},  // 7
-    {0x0e, 0x11, 0x11, 0x0e, 0x11, 0x11, 0x0e},  // 8
-    {0x0e, 0x11, 0x11, 0x0f, 0x01, 0x02, 0x0c},  // 9
-    {0x00, 0x00, 0x0e, 0x01, 0x0f, 0x11, 0x0f},  // a
-    {0x10, 0x10, 0x1e, 0x11, 0x11, 0x11, 0x1e},  // b
-    {0x00, 0x00, 0x0e, 0x11, 0x10, 0x11, 0x0e},  // c
-    {0x01, 0x01, 0x0f, 0x11, 0x11, 0x11, 0x0f},  // d
-    {0x00, 0x00, 0x0e, 0x11, 0x1f, 0x10, 0x0e},  // e
-    {0x06, 0x09, 0x08, 0x1c, 0x08, 0x08, 0x08},  // f
-    {0x00, 0x0f, 0x11, 0x11, 0x0f, 0x01, 0x0e},  // g
-    {0x10, 0x10, 0x16, 0x19, 0x11, 0x11, 0x11},  // h
-    {0x04, 0x00, 0x0c, 0x04, 0x04, 0x04, 0x0e},  // i
-    {0x02, 0x00, 0x06, 0x02, 0x02, 0x12, 0x0c},  // j
-    {0x10, 0x10, 0x12, 0x14, 0x18, 0x14, 0x12},  // k
-    {0x0c, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0e},  // l
-    {0x00, 0x00, 0x1a, 0x15, 0x15, 0x15, 0x15},  // m
-    {0x00, 0x00, 0x16, 0x19, 0x11, 0x11, 0x11},  // n
-    {0x00, 0x00, 0x0e, 0x11, 0x11, 0x11, 0x0e},  // o
-    {0x00, 0x00, 0x1e, 0x11, 0x1e, 0x10, 0x10},  // p
-    {0x00, 0x00, 0x0f, 0x11, 0x0f, 0x01, 0x01},  // q
-    {0x00, 0x00, 0x16, 0x19, 0x10, 0x10, 0x10},  // r
-    {0x00, 0x00, 0x0f, 0x10, 0x0e, 0x01, 0x1e},  // s
-    {0x08, 0x08, 0x1c, 0x08, 0x08, 0x09, 0x06},  // t
-    {0x00, 0x00, 0x11, 0x11, 0x11, 0x13, 0x0d},  // u
-    {0x00, 0x00, 0x11, 0x11, 0x11, 0x0a, 0x04},  // v
-    {0x00, 0x00, 0x11, 0x11, 0x15, 0x15, 0x0a},  // w
-    {0x00, 0x00, 0x11, 0x0a, 0x04, 0x0a, 0x11},  // x
-    {0x00, 0x11, 0x11, 0x11, 0x0f, 0x01, 0x0e},  // y
-    {0x00, 0x00, 0x1f, 0x02, 0x04, 0x08, 0x1f},  // z
-}};
-
-const std::array<std::uint8_t, kGlyphHeight>* glyphOf(char letter) {
-  if (letter >= '0' && letter <= '9') return &kGlyphs[static_cast<std::size_t>(letter - '0')];
-  if (letter >= 'a' && letter <= 'z') return &kGlyphs[static_cast<std::size_t>(letter - 'a' + 10)];
-  return nullptr;
-}
 
 std::uint8_t byteOf(float share) { return static_cast<std::uint8_t>(std::lround(255.0f * share)); }
 
-/// Fills a square, clipped at the picture's edges.
-void fill(render::Image& image, int left, int top, int side, const render::Vec3& colour) {
-  for (int y = std::max(top, 0); y < std::min(top + side, image.height); ++y) {
-    for (int x = std::max(left, 0); x < std::min(left + side, image.width); ++x) {
+/// Fills a rectangle in pixels, clipped at the picture's edges.
+void fill(render::Image& image, int left, int top, int width, int height, const render::Vec3& colour) {
+  for (int y = std::max(top, 0); y < std::min(top + height, image.height); ++y) {
+    for (int x = std::max(left, 0); x < std::min(left + width, image.width); ++x) {
       std::uint8_t* pixel = image.pixel(x, y);
       pixel[0] = byteOf(colour.x);
       pixel[1] = byteOf(colour.y);
@@ -162,30 +116,19 @@ void fill(render::Image& image, int left, int top, int side, const render::Vec3&
   }
 }
 
-void drawGlyph(render::Image& image, int left, int top, int dot,
-               const std::array<std::uint8_t, kGlyphHeight>& rows) {
-  for (int row = 0; row < kGlyphHeight; ++row) {
-    for (int column = 0; column < kGlyphWidth; ++column) {
-      const bool inked = rows[static_cast<std::size_t>(row)] >> (kGlyphWidth - 1 - column) & 1;
-      if (inked) fill(image, left + column * dot, top + row * dot, dot, kInk);
-    }
-  }
-}
-
 }  // namespace
 
 void drawLegend(render::Image& image, const std::vector<LegendEntry>& entries) {
-  const int dot = std::max(1, image.height / (48 * kGlyphHeight));  // pixels
-  int top = kLineDots * dot;
+  const int dot = std::max(1, image.height / (48 * kSquare));  // pixels
+  int top = kLine * dot;
   for (const LegendEntry& entry : entries) {
-    int left = kLineDots * dot;
-    fill(image, left, top, kGlyphHeight * dot, entry.colour);
-    left += (kGlyphHeight + kStepDots) * dot;
-    for (const char letter : entry.text) {
-      if (const auto* glyph = glyphOf(letter)) drawGlyph(image, left, top, dot, *glyph);
-      left += kStepDots * dot;
-    }
-    top += kLineDots * dot;
+    int left = kLine * dot;
+    fill(image, left, top, kSquare * dot, kSquare * dot, entry.colour);
+    left += (kSquare + kGap) * dot;
+    for (const render::TextBar& bar : render::textBars(entry.text))
+      fill(image, left + dot * int(bar.left), top + dot * int(bar.top), dot * int(bar.width),
+           dot * int(bar.height), kInk);
+    top += kLine * dot;
   }
 }
 

@@ -26,7 +26,7 @@ render::Scenery springRods(const SpringNetwork& network, SpringKind kind, double
 render::Scenery farWalls(const SpringNetwork& network, double distance);
 
 struct LegendEntry {
-  std::string text;     ///< lower-case letters, digits and blanks; other characters are left blank
+  std::string text;     ///< ASCII
   render::Vec3 colour;  ///< sRGB
 };
 

@@ -5,6 +5,7 @@
 #include "scenes/cooked_mesh.h"
 
 #include "mesh_reader.h"
+#include "output_files.h"
 #include "scenes/networks.h"
 
 #include <limber/mesh.h>
@@ -75,16 +76,12 @@ void keep(const CookedMesh& cooked, const std::string& base) {
   std::filesystem::create_directories(std::filesystem::path(base).parent_path(), error);
   for (std::size_t i = 0; i < cooked.bodies.size(); ++i)
     if (!saveNetwork(*cooked.bodies[i].network, bodyFile(base, i))) return;
-  const std::string temporary = base + ".part";
-  {
-    std::ofstream out(temporary);
-    out.precision(17);
-    out << cooked.bodies.size() << ' ' << cooked.scale << '\n';
-    for (const CookedBody& body : cooked.bodies) out << body.thickness << ' ' << body.volume << '\n';
-    for (const std::string& line : cooked.report) out << line << '\n';
-    if (!out.flush()) return;
-  }
-  std::filesystem::rename(temporary, base + ".txt", error);
+  std::ostringstream out;
+  out.precision(17);
+  out << cooked.bodies.size() << ' ' << cooked.scale << '\n';
+  for (const CookedBody& body : cooked.bodies) out << body.thickness << ' ' << body.volume << '\n';
+  for (const std::string& line : cooked.report) out << line << '\n';
+  static_cast<void>(demo::writeText(base + ".txt", out.str()));  // without a cache the next run cooks again
 }
 
 /// Returns the cached bodies, or an error if there are none or they are damaged.

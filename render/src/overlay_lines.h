@@ -32,13 +32,9 @@ class OverlayLines {
   GLsizei count_ = 0;
 };
 
-/// Returns the width of a text, pixels.
-float textWidth(std::string_view text, float height);
-
-/// Appends the strokes of a text, in pixels from the picture's upper left corner. `x` and `y` are the text's
-/// upper left corner, `height` is that of a digit.
-void addText(Overlay& strokes, std::string_view text, float x, float y, float height, Vec3 colour,
-             float width);
+/// Appends the bars of a text as lines, in pixels from the picture's upper left corner. `x` and `y` are the
+/// text's upper left corner, `height` is that of a digit. Bars are wider by `rim` on all sides.
+void addText(Overlay& strokes, std::string_view text, float x, float y, float height, Vec3 colour, float rim);
 
 /// Pixels from the upper left corner of the picture.
 struct BarRectangle {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "limber/render/text.h"
 #include "overlay_lines.h"
 #include "test_scene.h"
 
@@ -74,24 +75,24 @@ TEST(Legend, StrainIsInPerCent) {
   EXPECT_EQ(strainLegend(0.005f).high, "+0.5%");
 }
 
-TEST(StrokeText, EveryCharacterIsDrawnWithinItsPlace) {
-  for (const char c : std::string("0123456789-+.%/ms")) {
+TEST(Text, EveryCharacterIsDrawnWithinItsPlace) {
+  for (const char c : std::string("0123456789-+.%/msAZ")) {
     Overlay strokes;
-    addText(strokes, std::string(1, c), 10.0f, 20.0f, 12.0f, {}, 1.0f);
+    addText(strokes, std::string(1, c), 10.0f, 20.0f, 12.0f, {}, 0.0f);
     EXPECT_FALSE(strokes.empty()) << c;
     for (const OverlayLine& line : strokes) {
       for (const Vec3 end : {line.from, line.to}) {
         EXPECT_GE(end.x, 10.0f) << c;
-        EXPECT_LE(end.x, 10.0f + textWidth("0", 12.0f)) << c;
+        EXPECT_LE(end.x, 10.0f + textWidth(std::string(1, c)) * 12.0f / kTextHeight + 1e-4f) << c;
         EXPECT_GE(end.y, 20.0f) << c;
-        EXPECT_LE(end.y, 32.0f) << c;
+        EXPECT_LE(end.y, 32.001f) << c;
       }
     }
   }
 }
 
-TEST(StrokeText, NoTwoCharactersLookAlike) {
-  const std::string all = "0123456789-+.%/ms";
+TEST(Text, NoTwoCharactersLookAlike) {
+  const std::string all = "0123456789-+.%/abcdefghijkmnopqrstuvwxyzABCDEFGHJKLMNPQRTUVWXYZ";
   const auto strokesOf = [](char c) {
     Overlay strokes;
     addText(strokes, std::string(1, c), 0.0f, 0.0f, 6.0f, {}, 1.0f);
@@ -110,9 +111,9 @@ TEST(StrokeText, NoTwoCharactersLookAlike) {
   }
 }
 
-TEST(StrokeText, TheUnknownIsBlank) {
+TEST(Text, TheUnknownIsBlank) {
   Overlay strokes;
-  addText(strokes, "?\xc3", 0.0f, 0.0f, 6.0f, {}, 1.0f);
+  addText(strokes, "\n\xc3\x7f", 0.0f, 0.0f, 6.0f, {}, 1.0f);
   EXPECT_TRUE(strokes.empty());
 }
 
