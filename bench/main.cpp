@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "command_list.h"
+#include "bench.h"
 
 #include <cstdio>
 #include <exception>
@@ -7,7 +7,13 @@
 int main(int argc, char** argv) {
   using namespace limber::bench;
   try {
-    return runCommand(argc, argv);
+#ifdef LIMBER_BENCH_DRAWS
+    return runBench({renderBench(), scalingBench()}, argc, argv);
+#else
+    return runBench(
+        {accuracyBench(), stabilityBench(), networksBench(), contactBench(), threadsBench(), springsBench()},
+        argc, argv);
+#endif
   } catch (const std::exception& error) {
     std::fprintf(stderr, "limber-bench: %s\n", error.what());
     return kFailure;

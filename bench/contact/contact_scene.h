@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "accuracy/rigid_bodies.h"
+#include "scene/rigid_bodies.h"
+
+#include <limber/mesh.h>
 
 namespace limber::bench {
 
@@ -17,12 +19,9 @@ enum class Crowd : std::uint8_t {
 };
 
 /// A situation whose cost is measured, the same for all engines.
-struct ContactScene {
-  std::string name;
+struct ContactScene : Scenario {
   Role role = Role::Rest;
   Crowd crowd = Crowd::Small;
-  std::vector<BodySetup> bodies;
-  std::function<void(RigidBodies&, btDiscreteDynamicsWorld&)> addRigidBodies;
   std::function<double(const Eigen::Vector3d&)>
       distance;          ///< m, of a point from the rigid bodies; negative inside
   double size = 1.0;     ///< m, of a body
@@ -38,14 +37,14 @@ struct ContactScene {
 };
 
 constexpr double kContactTick = 1.0 / 60;  // s
+constexpr const char* kLooseSpheres = "loose spheres";
 
 const char* nameOf(Role role);
 
-/// Each function adds its scenes.
-void addCubeScenes(std::vector<ContactScene>& scenes, bool quick);   // cube_scenes.cpp: on a floor or above
-void addPile(std::vector<ContactScene>& scenes, bool quick);         // pile_scene.cpp: in a bin
-void addLargeBodies(std::vector<ContactScene>& scenes, bool quick);  // large_bodies.cpp: a cloth, a lattice
-
 std::vector<ContactScene> allContactScenes(bool quick);
+
+/// Returns the outer triangles of side x side x side points in the order of latticeNetwork(), facing outward.
+/// `side` is at least 2.
+std::vector<Triangle> boxSurface(int side);
 
 }  // namespace limber::bench

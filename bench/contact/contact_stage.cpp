@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "contact/contact_stage.h"
 
-#include "clocks.h"
+#include "results.h"
 #include "scenes/overlap.h"
-#include "text_format.h"
+#include "timing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,14 +24,10 @@ std::vector<Eigen::Matrix3Xd> allPositions(const Engine& engine, std::size_t cou
 
 }  // namespace
 
-ContactStage::ContactStage(const ContactScene& scene, const ContactEngine& engine)
-    : scene_(scene), solids_(!engine.isSpheres), engine_(engine.make(scene)) {
-  engine_->world().setGravity(btVector3(0, btScalar(-kGravity), 0));
-  scene.addRigidBodies(rigid_, engine_->world());
-  for (const BodySetup& body : scene.bodies) {
-    engine_->addBody(body);
-    points_ += body.network->restPoints.size();
-  }
+ContactStage::ContactStage(const ContactScene& scene, const EngineChoice& choice)
+    : scene_(scene), solids_(choice.engine != kLooseSpheres) {
+  engine_ = open(scene, choice, {kContactTick, scene.role == Role::Pile}, rigid_);
+  for (const BodySetup& body : scene.bodies) points_ += body.network->restPoints.size();
 }
 
 ContactStage::~ContactStage() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "contact/contact_engines.h"
+#include "contact/contact_scene.h"
 
 namespace limber::bench {
 
@@ -9,7 +9,7 @@ namespace limber::bench {
 class ContactStage {
  public:
   /// Throws std::runtime_error with the reason if the engine does not support the scene.
-  ContactStage(const ContactScene& scene, const ContactEngine& engine);
+  ContactStage(const ContactScene& scene, const EngineChoice& choice);
   ~ContactStage();
   ContactStage(const ContactStage&) = delete;
   ContactStage& operator=(const ContactStage&) = delete;

@@ -13,6 +13,7 @@ using Spheres = std::vector<std::unique_ptr<btRigidBody>>;
 class BareEngine final : public Engine {
  public:
   btDiscreteDynamicsWorld& world() override { return world_; }
+  void set(const std::string&, const std::string&) override {}
   std::size_t addBody(const BodySetup& setup) override;
   void tick(double dt) override { world_.stepSimulation(static_cast<btScalar>(dt), 0); }
   double stepMicroseconds() const override { return 0.0; }

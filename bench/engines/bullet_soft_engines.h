@@ -25,6 +25,9 @@ enum class SoftContacts : std::uint8_t {
 /// cubes.
 constexpr double kHardContacts = 1.0, kBulletsHardness = 0.1;
 
+/// Returns "1 iteration" or "4 iterations".
+std::string iterationsText(int count);
+
 /// Creates Bullet's position-based soft body. Bodies without faces collide with their points.
 std::unique_ptr<Engine> makeSoftBodyEngine(double dt, int iterations, LinkStiffness stiffness,
                                            SoftContacts contacts = SoftContacts::PointsAndFaces,

@@ -20,6 +20,7 @@ class DeformableEngine final : public Engine {
   ~DeformableEngine() override;
 
   btDiscreteDynamicsWorld& world() override { return world_; }
+  void set(const std::string&, const std::string&) override {}
   std::size_t addBody(const BodySetup& setup) override;
   void tick(double dt) override { world_.stepSimulation(static_cast<btScalar>(dt), 0); }
   double stepMicroseconds() const override { return -1.0; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "bench.h"
 #include "bullet_soft/body_start.h"
 
 #include <limber/soft_body_settings.h>
@@ -34,6 +35,8 @@ class Engine {
 
   /// Returns the world, for rigid bodies, which must outlive the engine, and to set gravity before addBody().
   virtual btDiscreteDynamicsWorld& world() = 0;
+  /// Changes a setting of the bodies that are added from now on. Ignores keys of other engines.
+  virtual void set(const std::string& key, const std::string& value) = 0;
   /// Returns its index. Throws std::runtime_error with the reason if the engine does not support the body.
   virtual std::size_t addBody(const BodySetup& setup) = 0;
   /// Advances the world by one tick of dt seconds.
@@ -54,11 +57,19 @@ class Engine {
   }
 };
 
-/// An engine with a setting. The names become cells of a CSV file and must not contain commas.
+/// What an engine is made for: some are tuned to the tick, or to whether soft bodies touch each other.
+struct EngineUse {
+  EngineUse(double tick, bool touch = true) : dt(tick), bodiesTouch(touch) {}
+  double dt;  ///< s
+  bool bodiesTouch;
+};
+
+/// An engine with a setting: the plug-in of a bench.
 struct EngineChoice {
   std::string engine, setting;
-  /// Creates an engine for ticks of dt seconds: some are tuned to it.
-  std::function<std::unique_ptr<Engine>(double dt)> make;
+  std::function<std::unique_ptr<Engine>(const EngineUse&)> make;
+
+  bool isLimber() const { return engine == "Limber"; }
 };
 
 /// Returns the share of a world's movable objects that sleep.
@@ -66,5 +77,11 @@ double asleepShare(btDiscreteDynamicsWorld& world);
 
 /// Returns Limber with each of its steppers, and btSoftBody and btDeformable with all useful settings.
 std::vector<EngineChoice> allEngines();
+
+/// Returns the engines that the options ask for, with the values of --set that they know.
+std::vector<EngineChoice> wantedEngines(const std::vector<EngineChoice>& engines, const Options& options);
+
+/// The keys of --set that Engine::set() knows, followed by those of the bench.
+std::vector<Key> withEngineKeys(std::vector<Key> keys);
 
 }  // namespace limber::bench

@@ -6,6 +6,8 @@
 #include <limber/contacts.h>
 #include <limber/soft_body_system.h>
 
+#include <cstdlib>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -19,6 +21,7 @@ class LimberEngine final : public Engine {
   }
 
   btDiscreteDynamicsWorld& world() override { return world_; }
+  void set(const std::string& key, const std::string& value) override;
   std::size_t addBody(const BodySetup& setup) override;
   void tick(double dt) override { world_.stepSimulation(static_cast<btScalar>(dt), 0); }
   double stepMicroseconds() const override { return 1e3 * soft_.profile().stepMs; }
@@ -33,6 +36,7 @@ class LimberEngine final : public Engine {
 
  private:
   TuneSettings tune_;
+  std::vector<TuneSettings> changes_;  // after tune_
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
@@ -59,12 +63,35 @@ void keepAwake(SoftBody& body) {
     body.point(i)->setActivationState(DISABLE_DEACTIVATION);
 }
 
+void LimberEngine::set(const std::string& key, const std::string& value) {
+  const std::map<std::string, Stepper> steppers = {{"auto", Stepper::Auto},
+                                                   {"verlet", Stepper::Verlet},
+                                                   {"midpoint", Stepper::ImplicitMidpoint},
+                                                   {"newton", Stepper::BandedNewton}};
+  const auto change = [&](TuneSettings tune) { changes_.push_back(std::move(tune)); };
+  if (key == "stepper")
+    return change([s = steppers.at(value)](SoftBodySettings& b) { b.stepping.stepper = s; });
+  if (key == "collision") {
+    const Collision kind = value == "points" ? Collision::Points : Collision::Surface;
+    return change([kind](SoftBodySettings& b) { b.collision = kind; });
+  }
+  const double number = std::strtod(value.c_str(), nullptr);
+  const int whole = static_cast<int>(number);
+  if (key == "minSubsteps") change([whole](SoftBodySettings& b) { b.stepping.minSubsteps = whole; });
+  if (key == "maxSubsteps") change([whole](SoftBodySettings& b) { b.stepping.maxSubsteps = whole; });
+  if (key == "periodTolerance")
+    change([number](SoftBodySettings& b) { b.stepping.periodTolerance = number; });
+  if (key == "relativeTolerance")
+    change([number](SoftBodySettings& b) { b.stepping.relativeTolerance = number; });
+}
+
 std::size_t LimberEngine::addBody(const BodySetup& setup) {
   SoftBodySettings settings = setup.settings;
   // scenes and reference solutions have springs only and no air, as all other engines
   settings.volumeModulus = 0.0;
   settings.flow.drag = settings.flow.linearDrag = 0.0;
   if (tune_) tune_(settings);
+  for (const TuneSettings& change : changes_) change(settings);
   Result<SoftBody*> body = soft_.createBody(setup.network, settings);
   if (!body) throw std::runtime_error(body.error());
   setInitialState(**body, setup);

@@ -6,6 +6,7 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include <cmath>
+#include <cstdlib>
 
 namespace limber::bench {
 namespace {
@@ -17,6 +18,7 @@ class SoftBodyEngine final : public Engine {
   ~SoftBodyEngine() override;
 
   btDiscreteDynamicsWorld& world() override { return world_; }
+  void set(const std::string& key, const std::string& value) override;
   std::size_t addBody(const BodySetup& setup) override;
   void tick(double dt) override;
   double stepMicroseconds() const override { return -1.0; }
@@ -71,6 +73,12 @@ std::size_t SoftBodyEngine::addBody(const BodySetup& setup) {
   world_.addSoftBody(soft.body.get());
   bodies_.push_back(std::move(soft));
   return bodies_.size() - 1;
+}
+
+void SoftBodyEngine::set(const std::string& key, const std::string& value) {
+  if (key == "iterations") iterations_ = static_cast<int>(std::strtod(value.c_str(), nullptr));
+  if (key == "hardness") hardness_ = std::strtod(value.c_str(), nullptr);
+  if (key == "links") stiffness_ = value == "full" ? LinkStiffness::Full : LinkStiffness::Calibrated;
 }
 
 void SoftBodyEngine::tick(double dt) {

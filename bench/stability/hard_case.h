@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "accuracy/scene.h"
+#include "scene/scene.h"
 
 namespace limber::bench {
 
@@ -12,17 +12,16 @@ struct ExtraSpring {
 };
 
 /// A case that is difficult for any engine, and its requirements.
-struct HardCase {
-  std::string group, name;  ///< no commas
+struct HardCase : Scenario {
+  HardCase() { gravity.setZero(); }
+
+  std::string group;
   unsigned seed = 1;
   double stiffness = 0.0;  ///< N/m
   double size = 1.0;       ///< m, an edge of the cubes
   double seconds = 2.0;
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
   double lowest = 0.0;  ///< m, height at which the potential energy of gravity is 0: no body should be lower
-  std::vector<BodySetup> bodies;
   std::vector<ExtraSpring> springs;
-  std::function<void(RigidBodies&, btDiscreteDynamicsWorld&)> addRigidBodies;  ///< or empty
   /// Sets the poses of kinematic bodies at that time; or empty.
   std::function<void(const RigidBodies&, double time)> drive;
   double energyFrom = 0.0;       ///< s; from here on kinematic bodies only move away
@@ -35,11 +34,5 @@ struct HardCase {
 
 /// Returns all cases; `quick`: a smaller selection.
 std::vector<HardCase> allHardCases(bool quick);
-
-/// Each function adds its groups.
-void addFreeCases(std::vector<HardCase>& cases, bool quick);     // free_cases.cpp: extreme parameters
-void addShapeCases(std::vector<HardCase>& cases, bool quick);    // shape_cases.cpp: extreme initial shapes
-void addContactCases(std::vector<HardCase>& cases, bool quick);  // contact_cases.cpp: extreme hits and loads
-void addRestCases(std::vector<HardCase>& cases, bool quick);     // rest_cases.cpp: sizes, stacks, long rest
 
 }  // namespace limber::bench

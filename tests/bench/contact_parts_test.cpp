@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // The measurements of the contact bench, compared with known values.
-#include "accuracy/bodies.h"
-#include "contact/box_surface.h"
+#include "contact/contact_bench.h"
 #include "contact/contact_stage.h"
-#include "contact/memory_use.h"
 #include "engines/bullet_soft_engines.h"
+#include "scene/bodies.h"
 
 #include <gtest/gtest.h>
 
@@ -28,9 +27,9 @@ ContactScene fallingCube(int settle, int measured) {
   return scene;
 }
 
-ContactEngine engineOf(const std::string& name) {
-  for (ContactEngine& engine : contactEngines())
-    if (engine.name == name) return std::move(engine);
+EngineChoice engineOf(const std::string& name) {
+  for (EngineChoice& choice : contactEngines())
+    if (choice.engine + choice.setting == name) return std::move(choice);
   return {};
 }
 
@@ -55,16 +54,16 @@ TEST(BoxSurface, isClosedOutwardAndOfTheBoxsVolume) {
 }
 
 TEST(ContactStage, knowsTheSpeedOfWhatFalls) {
-  for (const ContactEngine& engine : contactEngines()) {
+  for (const EngineChoice& engine : contactEngines()) {
     const ContactScene scene = fallingCube(10, 20);
     ContactStage stage(scene, engine);
     while (!stage.over()) stage.advance(7, 60.0);
-    ASSERT_EQ(stage.error(), "") << engine.name;
+    ASSERT_EQ(stage.error(), "") << engine.engine << " " << engine.setting;
     EXPECT_EQ(stage.points(), 8u);
     EXPECT_EQ(stage.ticks().size(), 20u);
     // during the 30th tick; engines move bodies by the mean velocity of a tick or by that at its end
     EXPECT_NEAR(stage.residualSpeed(), 29.75 * kContactTick * kGravity, 0.3 * kContactTick * kGravity)
-        << engine.name;
+        << engine.engine << " " << engine.setting;
     EXPECT_EQ(stage.deepestPenetration(), 0.0);
     EXPECT_EQ(stage.asleep(), 0.0);
   }
@@ -89,7 +88,7 @@ TEST(ContactStage, givesUpWhatIsGone) {
 
 TEST(ContactStage, losesPatience) {
   const ContactScene scene = fallingCube(0, 10);
-  ContactStage stage(scene, engineOf("limber points"));
+  ContactStage stage(scene, engineOf("LimberCollision::Points"));
   stage.advance(10, 0.0);
   EXPECT_NE(stage.error().find("given up after 1 ticks"), std::string::npos) << stage.error();
   EXPECT_TRUE(stage.over());
@@ -101,7 +100,6 @@ TEST(ContactScenes, haveAllRolesAndFewBodiesWhenQuick) {
   for (const ContactScene& scene : quick) {
     ++roles[scene.role];
     EXPECT_LE(scene.bodies.size(), 10u) << scene.name;
-    EXPECT_EQ(scene.name.find(','), std::string::npos);
     for (const BodySetup& body : scene.bodies) EXPECT_EQ(body.maySleep, scene.sleeps()) << scene.name;
   }
   EXPECT_EQ(roles.size(), 7u);
@@ -116,11 +114,10 @@ TEST(SoftContacts, allHoldACubeOnAFloor) {
     scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
       addFloor(rigid, world, Floor::Box, 0.5);
     };
-    ContactEngine engine;
-    engine.make = [=](const ContactScene&) {
-      return makeSoftBodyEngine(kContactTick, 10, LinkStiffness::Full, contacts);
-    };
-    ContactStage stage(scene, engine);
+    const EngineChoice choice{"btSoftBody", "", [=](const EngineUse& use) {
+                                return makeSoftBodyEngine(use.dt, 10, LinkStiffness::Full, contacts);
+                              }};
+    ContactStage stage(scene, choice);
     stage.advance(60, 60.0);
     EXPECT_EQ(stage.error(), "");
     EXPECT_LT(stage.deepestPenetration(), 0.05) << static_cast<int>(contacts);  // Bullet's margin

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "count_search.h"
+#include "scaling/count_search.h"
 
 #include <gtest/gtest.h>
 

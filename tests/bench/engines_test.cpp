@@ -2,10 +2,10 @@
 // All engines accept the same set-up.
 #include "engines/engine.h"
 
-#include "accuracy/bodies.h"
 #include "bullet_soft/body_start.h"
 #include "engines/bullet_soft_engines.h"
 #include "engines/limber_engine.h"
+#include "scene/bodies.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "sample_stats.h"
+#include "timing.h"
 
 #include <gtest/gtest.h>
 

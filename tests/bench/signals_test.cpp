@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "accuracy/signals.h"
+#include "scene/signals.h"
 
 #include <gtest/gtest.h>
 
@@ -37,12 +37,6 @@ TEST(Signal, firstReachesALevelEitherWay) {
   EXPECT_NEAR(firstReaches(cosine(1.0, 0.02, 1.0), 0.5), 1.0 / 6, 1e-6);
   EXPECT_TRUE(std::isinf(firstReaches(line, 8.0)));
   EXPECT_TRUE(std::isinf(firstReaches(line, 2.5, 2.0)));
-}
-
-TEST(Order, slopeInLogLog) {
-  EXPECT_NEAR(order({1, 0.5, 0.25}, {8e-3, 2e-3, 5e-4}), 2.0, 1e-12);
-  EXPECT_NEAR(order({1, 0.5, 0.25}, {INFINITY, 2e-3, 1e-3}), 1.0, 1e-12) << "what flew apart is left out";
-  EXPECT_TRUE(std::isnan(order({1, 0.5}, {0.0, 1e-3})));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // The bench's own reference solutions, compared with closed forms.
-#include "accuracy/spring_system.h"
+#include "scene/spring_system.h"
 
-#include "accuracy/bodies.h"
+#include "scene/bodies.h"
 
 #include <gtest/gtest.h>
 

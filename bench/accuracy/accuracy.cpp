@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Zlib
+#include "accuracy/accuracy_scene.h"
+#include "bullet_soft/body_start.h"
+#include "engines/limber_engine.h"
+#include "results.h"
+#include "timing.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+namespace limber::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;  // a tick can take a microsecond, so the clock must be fast
+
+constexpr double kUsualTick = 1.0 / 60;
+constexpr double kMaxDistance = 1e4;  // m, larger than any scene
+
+void addToHash(std::uint64_t& hash, const Eigen::Matrix3Xd& values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, values.data() + i, sizeof bits);
+    hash = (hash ^ bits) * 1099511628211ull;  // FNV-1a
+  }
+}
+
+BodySetup shifted(BodySetup body, int copy) {
+  const Eigen::Vector3d offset(0, 0, 20.0 * copy);
+  body.settings.position += offset;
+  if (body.positions.size()) body.positions.colwise() += offset;
+  return body;
+}
+
+bool isLost(const Frame& frame) {
+  for (const Eigen::Matrix3Xd& points : frame.positions)
+    if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kMaxDistance) return true;
+  return false;
+}
+
+double manifoldImpulse(const btDiscreteDynamicsWorld& world) {
+  const btDispatcher& dispatcher = *world.getDispatcher();
+  double impulse = 0.0;
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold =
+        *const_cast<btDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
+    for (int p = 0; p < manifold.getNumContacts(); ++p)
+      impulse += double(manifold.getContactPoint(p).getAppliedImpulse());
+  }
+  return impulse;
+}
+
+/// Plays one scene with one engine and measures the time of its ticks.
+class Stage {
+ public:
+  /// Throws std::runtime_error if the engine does not support the scene.
+  Stage(const Scene& scene, const EngineChoice& choice, double dt);
+
+  bool over() const { return lost_ || tick_ >= ticks_; }
+  void advance(int ticks);
+
+  const Trace& trace() const { return trace_; }
+  bool lost() const { return lost_; }  ///< a point has flown to infinity
+  std::uint64_t hash() const;          ///< of the last frame, bit for bit
+  const std::vector<double>& tickMicroseconds() const { return tickMicroseconds_; }
+  const std::vector<double>& stepMicroseconds() const { return stepMicroseconds_; }  ///< empty if unknown
+
+ private:
+  Frame currentFrame() const;
+  void record();
+
+  const Scene& scene_;
+  RigidBodies rigid_;  // declared before the engine, whose world refers to them
+  std::unique_ptr<Engine> engine_;
+  double dt_;
+  int tick_ = 0, ticks_;
+  bool lost_ = false;
+  Trace trace_;
+  std::vector<double> tickMicroseconds_, stepMicroseconds_;
+};
+
+Stage::Stage(const Scene& scene, const EngineChoice& choice, double dt)
+    : scene_(scene), dt_(dt), ticks_(static_cast<int>(std::lround(scene.seconds / dt))) {
+  Scenario copies = scene;
+  for (int copy = 1; copy < scene.copies; ++copy)
+    for (const BodySetup& body : scene.bodies) copies.bodies.push_back(shifted(body, copy));
+  engine_ = open(copies, choice, dt, rigid_);
+  trace_.dt = dt;
+  record();
+}
+
+void Stage::advance(int ticks) {
+  for (; ticks > 0 && !over(); --ticks) {
+    const auto start = Clock::now();
+    engine_->tick(dt_);
+    const double tick = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+    tickMicroseconds_.push_back(tick / scene_.copies);
+    if (engine_->stepMicroseconds() >= 0.0)
+      stepMicroseconds_.push_back(engine_->stepMicroseconds() / scene_.copies);
+    ++tick_;
+    record();
+  }
+}
+
+Frame Stage::currentFrame() const {
+  Frame frame;
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    frame.positions.push_back(engine_->positions(i));
+    frame.velocities.push_back(engine_->velocities(i));
+  }
+  for (const auto& body : rigid_.bodies)
+    if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
+  frame.contactImpulse = manifoldImpulse(engine_->world()) + engine_->untoldImpulse();
+  return frame;
+}
+
+void Stage::record() {
+  Frame frame = currentFrame();
+  lost_ = isLost(frame);
+  const double remaining = (ticks_ - tick_ + 1) * dt_;  // s, from the previous frame to the scene's end
+  if (remaining > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
+  trace_.frames.push_back(std::move(frame));
+}
+
+std::uint64_t Stage::hash() const {
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const auto& points : trace_.last().positions) addToHash(hash, points);
+  for (const auto& speeds : trace_.last().velocities) addToHash(hash, speeds);
+  return hash;
+}
+
+// --- measurement ---
+
+/// A run of one engine in a scene.
+struct Run {
+  EngineChoice choice;
+  std::unique_ptr<Stage> stage;  // nullptr: this engine does not support the scene
+};
+
+/// Returns Limber with Verlet and `factor` times the substeps that the scene's first body needs.
+EngineChoice withSubsteps(const Scene& scene, double dt, int factor) {
+  const int count = factor * stableSubsteps(scene.bodies[0], dt);
+  const auto tune = [count](SoftBodySettings& s) {
+    s.stepping.stepper = Stepper::Verlet;
+    s.stepping.minSubsteps = count;
+  };
+  return {"Limber", "Verlet, " + std::to_string(factor) + " x substeps",
+          [tune](const EngineUse&) { return makeLimberEngine(tune); }};
+}
+
+EngineChoice withTolerance(double periodTolerance) {
+  const auto tune = [periodTolerance](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; };
+  return {"Limber", format("period tolerance %.0e", periodTolerance),
+          [tune](const EngineUse&) { return makeLimberEngine(tune); }};
+}
+
+/// In ordered scenes Limber is also run with 2, 4, 8 ... times the substeps that it needs to be stable.
+std::vector<EngineChoice> enginesOf(const Scene& scene, double dt, const Options& options) {
+  std::vector<EngineChoice> engines;
+  for (EngineChoice& choice : allEngines())
+    if (!scene.limberOnly || choice.isLimber()) engines.push_back(std::move(choice));
+  if (scene.periodTolerance > 0.0) engines.push_back(withTolerance(scene.periodTolerance));
+  const int finest = std::abs(dt - kUsualTick) < 1e-9 ? scene.finest : std::min(scene.finest, 8);
+  for (int factor = 2; scene.ordered && factor <= finest; factor *= 2)
+    engines.push_back(withSubsteps(scene, dt, factor));
+  return wantedEngines(engines, options);
+}
+
+std::vector<Run> openRuns(const Scene& scene, double dt, const Options& options) {
+  std::vector<Run> runs;
+  for (const EngineChoice& choice : enginesOf(scene, dt, options)) {
+    runs.push_back({choice, nullptr});
+    try {
+      runs.back().stage = std::make_unique<Stage>(scene, choice, dt);
+    } catch (const std::runtime_error& error) {
+      std::fprintf(stderr, "no %s, %s in %s: %s\n", choice.engine.c_str(), choice.setting.c_str(),
+                   scene.name.c_str(), error.what());
+    }
+  }
+  return runs;
+}
+
+/// The engines take turns of a few ticks, so that the load of the machine is the same for all.
+void playAll(std::vector<Run>& runs, const Scene& scene, double dt, Progress& progress) {
+  constexpr int kTicksPerTurn = 8;
+  bool playing = true;
+  for (double done = 0; playing; done += kTicksPerTurn) {
+    playing = false;
+    for (Run& run : runs) {
+      if (!run.stage || run.stage->over()) continue;
+      run.stage->advance(kTicksPerTurn);
+      playing = true;
+    }
+    progress.show(scene.name, std::min(1.0, done * dt / scene.seconds));
+  }
+}
+
+const char* unitOf(const std::string& measure) {
+  const bool isLength = measure == "height" || measure == "creep" || measure == "hop";
+  return isLength ? "m" : "";
+}
+
+void addRows(const Run& run, const Scene& scene, double dt, Results& results) {
+  const Stage& stage = *run.stage;
+  const Subject subject{scene.kind == Kind::Free ? "free motion" : "with contacts", scene.name,
+                        run.choice.engine, run.choice.setting, 1.0 / dt};
+  // one error is enough where the points are lost
+  const std::vector<double> errors = stage.lost() ? std::vector<double>{kLost} : scene.judge(stage.trace());
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    if (!std::isnan(errors[i]))  // this engine has no such measure
+      results.add(subject, "error of " + scene.measures[i], unitOf(scene.measures[i]), errors[i]);
+  results.add(subject, "tick", "us", stage.tickMicroseconds());
+  if (run.choice.isLimber()) results.add(subject, "springs", "us", stage.stepMicroseconds());
+  results.note(subject, "hash", hexText(stage.hash()));
+}
+
+std::vector<SceneMaker> wantedMakers(const Options& options) {
+  std::vector<SceneMaker> all = freeScenes(options.quick);
+  for (SceneMaker& maker : contactScenes(options.quick)) all.push_back(std::move(maker));
+  return wantedScenes(std::move(all), options);
+}
+
+void runAccuracy(const Options& options, Results& results) {
+  const std::vector<double> quick = {30, 60}, all = {30, 60, 120, 240};
+  Progress progress;
+  for (const SceneMaker& maker : wantedMakers(options)) {
+    Scene scene = maker.make();
+    scene.name = maker.name;
+    if (!scene.remark.empty()) results.note({"remarks", scene.name, "", ""}, "remark", scene.remark);
+    for (const double rate : options.numbers("ticks", options.quick ? quick : all)) {
+      std::vector<Run> runs = openRuns(scene, 1.0 / rate, options);
+      playAll(runs, scene, 1.0 / rate, progress);
+      for (const Run& run : runs)
+        if (run.stage) addRows(run, scene, 1.0 / rate, results);
+    }
+    progress.finish(scene.name);
+  }
+}
+
+}  // namespace
+
+Bench accuracyBench() {
+  return {"accuracy",
+          "errors and times in scenes with a known outcome",
+          "3 minutes",
+          withEngineKeys({{"ticks", "ticks per second", 1, 10000, {}, true}}),
+          [](const Options& options) { return namesOf(wantedMakers(options)); },
+          &runAccuracy};
+}
+
+}  // namespace limber::bench

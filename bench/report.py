@@ -1,0 +1,413 @@
+# SPDX-License-Identifier: Zlib
+"""Tables and targets of FOLDER/BENCH.csv: report.py BENCH FOLDER [README]
+
+Prints them, and writes FOLDER/BENCH.txt. With a README, renews what lies between its markers  <!-- table BENCH -->,
+<!-- targets BENCH -->, <!-- misses -->  and  <!-- end -->."""
+
+import csv
+import pathlib
+import re
+import sys
+
+from results import Results, Run, number, order, unique
+
+ROUNDING = 2e-8  # errors below are those of Bullet's floats
+BEST = "the best setting"
+
+
+class Table:
+    def __init__(self, title, header, rows):
+        self.title, self.header, self.rows = title, header, rows
+
+    def text(self):
+        lines = [self.header] + self.rows
+        widths = [max(len(line[i]) for line in lines) for i in range(len(self.header))]
+        cells = ["  ".join([line[0].ljust(widths[0])] + [c.rjust(w) for c, w in zip(line[1:], widths[1:])])
+                 for line in lines]
+        return "\n".join([self.title] + [("  " + line).rstrip() for line in cells]) + "\n"
+
+    def markdown(self):
+        lines = [self.header, ["---"] * len(self.header)] + self.rows
+        return self.title + ":\n\n" + "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+# --- two kinds of tables -------------------------------------------------------------------------------------------
+
+def with_unit(runs, measure):
+    unit = next((run.units[measure] for run in runs if measure in run.units), "")
+    return f"{measure}, {unit}" if unit else measure
+
+
+def columns(title, runs, measures=(), label=lambda run: f"{run.scene}: {run.name}"):
+    """A line for each run, a column for each measure."""
+    measures = measures or unique(m for run in runs for m in run.values)
+    rows = [[label(run)] + [number(run.get(m)) for m in measures] for run in runs if "no result" not in run.texts]
+    return Table(title, [""] + [with_unit(runs, m) for m in measures], rows)
+
+
+def grid(title, runs, cell, row=lambda run: run.scene, column=lambda run: run.name):
+    """A line for each scene, a column for each engine."""
+    names = unique(column(run) for run in runs)
+    found = {(row(run), column(run)): cell(run) for run in runs}
+    rows = [[line] + [found.get((line, name), "") for name in names] for line in unique(row(run) for run in runs)]
+    return Table(title, [""] + names, rows)
+
+
+# --- tables of the benches ------------------------------------------------------------------------------------------
+
+def errors_of(run):
+    return [m for m in run.values if m.startswith("error of ")]
+
+
+def best(runs, measure):
+    return min((run for run in runs if run.get(measure) is not None), key=lambda run: run.values[measure], default=None)
+
+
+def best_cells(run, measure):
+    return [run.setting, number(run.get(measure)), number(run.get("tick"))] if run else ["-"] * 3
+
+
+def accuracy_line(results, own, measure):
+    others = [best(results.select(scene=own.scene, ticks=own.ticks, engine=engine), measure)
+              for engine in ("btSoftBody", "btDeformable")]
+    cells = [f"{own.scene}: {with_unit([own], measure).removeprefix('error of ')}", number(own.values[measure]),
+             number(own.get("springs")), number(own.get("tick"))]
+    return cells + [cell for other in others for cell in best_cells(other, measure)]
+
+
+def accuracy_tables(results):
+    header = ["error of", "Limber", "springs, us", "tick, us", "btSoftBody, best", "error", "tick, us",
+              "btDeformable, best", "error", "tick, us"]
+    tables = []
+    for group in ("free motion", "with contacts"):
+        rows = [accuracy_line(results, own, measure)
+                for own in results.select(group=group, engine="Limber", setting="default", ticks="60")
+                for measure in errors_of(own)]
+        if rows:
+            tables.append(Table(f"{group}, 60 ticks a second", header, rows))
+    orders = [run for run in results.runs if run.setting == "all numbers of substeps"]
+    tables.append(columns("order of the error with Limber's substep (Verlet, 60 ticks a second)", orders,
+                          label=lambda run: run.scene))
+    tables.append(tick_orders(results))
+    remarks = [[run.scene, run.texts["remark"]] for run in results.select(group="remarks")]
+    return tables + [Table("for orientation", ["scene", ""], remarks)]
+
+
+def tick_orders(results):
+    engines = [("Limber", "default"), ("Limber", "Verlet, 8 x substeps"), ("btDeformable", "implicit"),
+               ("btDeformable", "explicit"), ("btSoftBody", "10 iterations, calibrated")]
+    rows = []
+    for scene in unique(run.scene for run in results.runs if run.setting == "all numbers of substeps"):
+        slopes = []
+        for engine, setting in engines:
+            runs = results.select(scene=scene, engine=engine, setting=setting)
+            errors = [run.values[errors_of(run)[0]] for run in runs]
+            slopes.append(number(order([1 / float(run.ticks) for run in runs], errors)))
+        rows.append([scene] + slopes)
+    return Table("order of the error with the tick", [""] + [", ".join(engine) for engine in engines], rows)
+
+
+def add_orders(results):
+    """Adds a run for each scene that was played with 1, 2, 4 ... times the substeps that it needs."""
+    refined = re.compile(r"Verlet, (\d+) x substeps")
+    for scene in unique(run.scene for run in results.select(setting=refined, ticks="60")):
+        runs = results.select(scene=scene, setting="Verlet", ticks="60") + results.select(
+            scene=scene, setting=refined, ticks="60")
+        measure = errors_of(runs[0])[0]
+        steps = [1 / int(m[1]) if (m := refined.fullmatch(run.setting)) else 1.0 for run in runs]
+        errors = [run.get(measure) or 0.0 for run in runs]
+        # coarse steps may be too large to show the order, and rounding hides the smallest errors
+        finest = [(s, e) for s, e in zip(steps, errors) if e >= ROUNDING][-3:]
+        derived = Run((runs[0].group, scene, "60", "Limber", "all numbers of substeps"))
+        slope = order(*zip(*finest)) if len(finest) > 1 else None
+        if slope is not None:
+            derived.values["order"] = slope
+        for step, error in zip(steps, errors):
+            derived.values[f"error, {1 / step:.0f} x substeps"] = error
+        results.runs.append(derived)
+
+
+def miss_ratio(runs, measure):
+    asked = [run.values[measure] for run in runs if measure in run.values]
+    return f"{sum(asked):.0f} / {len(asked)}" if asked else "-"
+
+
+def stability_line(runs, name):
+    checks = ("finite", "energy", "momentum drift", "angular momentum drift", "shape error", "points on the wrong side")
+    ran = [run.values["passed"] for run in runs if "passed" in run.values]
+    shapes = [run.texts.get("shape") for run in runs]
+    held = sum(shapes.count(shape) for shape in ("other", "saddle", "spinning"))
+    return ([name, str(len(runs) - len(ran))] + [miss_ratio(runs, "missed: " + check) for check in checks]
+            + [str(shapes.count("mirrored")), str(held), f"{100 * sum(ran) / max(1, len(ran)):.1f} %"])
+
+
+def stability_tables(results):
+    header = ["missed / asked", "not run", "not finite", "energy above 1.001", "momentum drift above 1e-6",
+              "angular momentum off by 1e-3", "shape not back within 1e-3", "on the wrong side", "mirrored",
+              "held in another shape", "passed"]
+    names = unique(run.name for run in results.runs)
+    of = {name: [run for run in results.runs if run.name == name] for name in names}
+    tables = [Table("all cases", header, [stability_line(of[name], name) for name in names])]
+    for group in unique(run.group for run in results.runs):
+        lines = [stability_line([run for run in of[name] if run.group == group], name) for name in names]
+        tables.append(Table(group, header, lines))
+    lines = [[reason, str(len(runs))] for reason, runs in reasons(results.runs).items()]
+    return tables + [Table("cases that an engine does not support", ["", "runs"], lines), first_misses(results)]
+
+
+def first_misses(results):
+    rows = []
+    for setting, group in unique((run.setting, run.group) for run in results.select(engine="Limber")):
+        missed = [run for run in results.select(engine="Limber", setting=setting, group=group) if not run.get("passed")]
+        if missed:
+            run = missed[0]
+            flaws = [f"{m[8:]} {number(run.get(m[8:]))}" for m in run.values if m.startswith("missed") and run.values[m]]
+            rows.append([f"{setting}: {run.scene}, {run.ticks} ticks a second", "; ".join(flaws), str(len(missed) - 1)])
+    return Table("where Limber misses: the first of each group", ["", "", "more"], rows)
+
+
+def reasons(runs):
+    found = {}
+    for run in runs:
+        if "no result" in run.texts:
+            found.setdefault(f"{run.name}: {run.texts['no result']}", []).append(run)
+    return found
+
+
+def contact_cell(run):
+    if "no result" in run.texts:
+        return run.texts["no result"]
+    return f"{number(run.get('tick'))} ({number(run.get('worst tick'))})"
+
+
+def contact_tables(results):
+    runs = [run for run in results.runs if run.group != "memory"]
+    tables = [grid("ms a tick, median (worst)", runs, contact_cell),
+              grid("strain of the springs along edges, %", [r for r in runs if "strain" in r.values],
+                   lambda run: number(run.get("strain"))),
+              grid("deepest penetration, % of the size", [r for r in runs if "deepest penetration" in r.values],
+                   lambda run: number(run.get("deepest penetration")))]
+    for scene in unique(run.scene for run in runs):
+        own = [run for run in runs if run.scene == scene]
+        tables.append(columns(scene, own, label=lambda run: run.name))
+    return tables + [columns("memory of Limber", results.select(group="memory"), label=lambda run: run.name)]
+
+
+def networks_tables(results):
+    shapes = results.select(group="returns")
+    tables = [grid("returns from large deformations, % of the runs", shapes, lambda run: number(run.get("returns")),
+                   column=lambda run: run.setting)]
+    for group in unique(run.group for run in results.runs):
+        label = (lambda run: run.scene) if group in ("mechanisms", "any mesh", "bars") else (
+            lambda run: f"{run.scene}: {run.setting}")
+        tables.append(columns(group, results.select(group=group), label=label))
+    return tables
+
+
+def springs_tables(results):
+    def cell(run):
+        free = results.by_fields[(run.group, "free") + run.fields[2:]].values["spring and substep"]
+        own = run.values["spring and substep"]
+        return number(own) if run.scene == "free" else f"{100 * (own / free - 1):+.0f} %"
+    return [grid("ns per spring and substep, cubes of 8 points and 28 springs; at rest on four points: what the contacts "
+                 "add", results.runs, cell, row=lambda run: run.setting,
+                 column=lambda run: f"{run.group}, {run.scene}")]
+
+
+def threads_tables(results):
+    single = [run for run in results.runs if "outside the parallel parts" in run.values]
+    return [grid("gain over one thread (largest possible gain)", results.runs,
+                 lambda run: f"{number(run.get('gain'))} ({number(run.get('largest possible gain'))})",
+                 column=lambda run: run.setting),
+            columns("one thread", single, ["tick, wall time"] + [m for m in single[0].values if "outside" in m or
+                                                                 "gain of" in m], label=lambda run: run.scene)]
+
+
+def render_tables(results):
+    return [columns(group, results.select(group=group)) for group in unique(run.group for run in results.runs)]
+
+
+def scaling_tables(results):
+    tables = [columns(name or "loose spheres", [run for run in results.select(group="cubes") if run.name == name],
+                      label=lambda run: run.scene)
+              for name in unique(run.name for run in results.select(group="cubes"))]
+    ends = results.select(group="largest number in real time")
+    if ends:
+        tables.append(columns("largest number in real time (the paper, on its author's machine: 64 cubes at 1.43 ms a "
+                              "tick)", ends, label=lambda run: run.name))
+    return tables + [warnings(results)]
+
+
+def warnings(results):
+    rows = []
+    for scene in unique(run.scene for run in results.select(group="cubes", engine="Limber")):
+        runs = [run for run in results.select(group="cubes", scene=scene, engine="Limber") if run.get("complete")]
+        if len({run.texts["hash"] for run in runs}) > 1 or any(not run.values["runs end alike"] for run in runs):
+            rows.append([scene, "WARNING: runs do not end in the same state"])
+    return Table("warnings", ["", ""], rows)
+
+
+# the last item is the number of tables for the README
+TABLES = {"accuracy": (accuracy_tables, 2), "contact": (contact_tables, 3), "networks": (networks_tables, 9),
+          "render": (render_tables, 5), "scaling": (scaling_tables, 0), "springs": (springs_tables, 1),
+          "stability": (stability_tables, 1), "threads": (threads_tables, 2)}
+
+
+def busy_warning(results):
+    """Other programs affect even a thread's own time, through shared caches."""
+    pairs = [(run.get("tick, wall time"), run.get("tick") or run.get("tick, own time")) for run in results.runs]
+    pairs = [(wall, own) for wall, own in pairs if wall and own]
+    ratio = sum(wall for wall, _ in pairs) / sum(own for _, own in pairs) if pairs else 1.0
+    return f"WARNING: the machine was busy: ticks took {ratio:.2f} times their own time\n" if ratio > 1.1 else ""
+
+
+# --- targets --------------------------------------------------------------------------------------------------------
+
+class Verdict:
+    def __init__(self, target, run, value, hit):
+        self.target, self.run, self.value, self.hit = target, run, value, hit
+
+    def setting(self):
+        """The setting, where the target does not name it."""
+        return [] if self.run.setting in ("", self.target["setting"]) else [self.run.setting]
+
+    def cells(self):
+        where = f" ({', '.join([self.run.scene] + self.setting())})" if self.run else ""
+        reached = "not measured" if self.value is None else number(self.value) + where
+        word = "-" if self.value is None else "hit" if self.hit else "MISS"
+        why = f": {self.target['why']}" if word == "MISS" and self.target["why"] else ""
+        return [self.target["what"], reached, word + why]
+
+
+def partner(results, run, rule, measure):
+    """The run that a target compares with: FIELD=VALUE or FIELD:OLD>NEW, separated by semicolons."""
+    wanted = dict(zip(("group", "scene", "ticks", "engine", "setting"), run.fields))
+    for change in rule.split(";"):
+        if ":" in change:
+            field, old, new = re.split("[:>]", change)
+            wanted[field] = wanted[field].replace(old, new)
+        else:
+            field, wanted[field] = change.split("=")
+    if wanted["setting"] == BEST:
+        del wanted["setting"]
+    return best(results.select(**wanted), measure)
+
+
+def judge_run(results, target, run):
+    """Value and whether it hits, or None if there is nothing to compare."""
+    value, in_time = run.get(target["measure"]), True
+    if value is not None and target["against"]:
+        other = partner(results, run, target["against"], target["measure"])
+        reference = other.get(target["of"] or target["measure"]) if other else None
+        if not reference:
+            return None
+        value = value - reference if target["compare"] == "difference" else value / reference
+        if target["compare"] == "ratio in no more time":
+            in_time = run.values["springs"] <= other.values["tick"]
+    elif value is not None and target["of"]:
+        value /= run.values[target["of"]]
+    if value is None:
+        return None
+    bound = float(target["bound"])
+    return value, in_time and (value <= bound if target["relation"] == "<=" else value >= bound)
+
+
+def wanted_runs(results, target):
+    fields = {field: re.compile(target[field]) for field in ("group", "scene", "engine", "setting", "ticks")
+              if target[field]}
+    return results.select(**fields)
+
+
+def judge(results, target):
+    judged = [(run, *found) for run in wanted_runs(results, target)
+              if (found := judge_run(results, target, run)) is not None]
+    if not judged:
+        return [] if target["show"] == "if measured" else [Verdict(target, None, None, False)]
+    if target["over"] == "each":
+        return [Verdict(target, *one) for one in judged]
+    if target["over"] == "any":
+        scenes = unique(run.scene for run, _, _ in judged)
+        return [Verdict(target, *min((one for one in judged if one[0].scene == scene),
+                                     key=lambda one: (not one[2], one[1]))) for scene in scenes]
+    if target["over"] == "sum":
+        total = sum(value for _, value, _ in judged)
+        return [Verdict(target, None, total, total <= float(target["bound"]))]
+    sign = 1 if target["relation"] == "<=" else -1
+    return [Verdict(target, *max(judged, key=lambda one: (not one[2], sign * one[1])))]
+
+
+def verdicts(bench, results, brief=False):
+    """`brief`: without the targets that only the text report shows."""
+    with open(pathlib.Path(__file__).with_name("targets.csv"), newline="") as file:
+        targets = [row for row in csv.DictReader(file)
+                   if row["bench"] == bench and not (brief and row["show"] == "text")]
+    return [verdict for target in targets for verdict in judge(results, target)]
+
+
+# --- output ---------------------------------------------------------------------------------------------------------
+
+def load(bench, folder):
+    results = Results(folder / f"{bench}.csv")
+    if bench == "accuracy":
+        add_orders(results)
+    for run in results.runs:
+        if bench == "render" and "upload" in run.values:
+            run.values["upload and submit"] = run.values["upload"] + run.values["submit"]
+    return results
+
+
+def report(bench, folder):
+    results = load(bench, folder)
+    text = "\n".join(f"{name}: {value}" for name, value in results.about.items()) + "\n"
+    tables = [table for table in TABLES[bench][0](results) if table.rows]
+    text += "".join("\n" + table.text() for table in tables)
+    lines = [verdict.cells() for verdict in verdicts(bench, results)]
+    if lines:
+        text += "\ntargets\n" + "".join(f"  {w[:4]:4}  {what}: {value}{w[4:]}\n" for what, value, w in lines)
+    return text + busy_warning(results)
+
+
+def renew(readme, marker, content):
+    pattern = re.compile(rf"(<!-- {marker} -->\n).*?(<!-- end -->)", re.S)
+    return pattern.sub(lambda m: m[1] + content + m[2], readme)
+
+
+def head(results):
+    return f"Measured on {results.about['machine']}, commit {results.about['commit']}.\n\n"
+
+
+def renew_readme(path, bench, folder):
+    results, text = load(bench, folder), path.read_text()
+    make, count = TABLES[bench]
+    tables = [table.markdown() for table in make(results)[:count] if table.rows]
+    text = renew(text, f"table {bench}", head(results) + "\n".join(tables))
+    lines = [verdict.cells() for verdict in verdicts(bench, results, brief=True)]
+    text = renew(text, f"targets {bench}", Table("Targets", ["Target", "Reached", ""], lines).markdown())
+    path.write_text(text)
+
+
+def renew_misses(path, folder):
+    """All missed targets of all benches in the folder."""
+    rows = []
+    for bench in TABLES:
+        if (folder / f"{bench}.csv").exists():
+            missed = [v for v in verdicts(bench, load(bench, folder), brief=True) if v.value is not None and not v.hit]
+            rows += [[bench] + verdict.cells()[:2] for verdict in missed]
+    table = Table("All missed targets", ["Bench", "Target", "Reached"], rows)
+    path.write_text(renew(path.read_text(), "misses", table.markdown()))
+
+
+def main(bench, folder, readme=None):
+    folder = pathlib.Path(folder)
+    text = report(bench, folder)
+    (folder / f"{bench}.txt").write_text(text)
+    print(text, end="")
+    if readme:
+        renew_readme(pathlib.Path(readme), bench, folder)
+        renew_misses(pathlib.Path(readme), folder)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) not in (3, 4) or sys.argv[1] not in TABLES:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])

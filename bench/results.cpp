@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Zlib
+#include "results.h"
+
+#include "timing.h"
+
+#include <sys/resource.h>
+
+#include <LinearMath/btScalar.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace limber::bench {
+namespace {
+
+/// Returns the value of the first line of /proc/cpuinfo that starts with "model name".
+std::string processorName() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
+std::string buildText() {
+#ifdef NDEBUG
+  const char* kind = "optimised";
+#else
+  const char* kind = "with assertions: no build to measure with";
+#endif
+  return format("compiler %s, %s; Bullet %d in %s precision", __VERSION__, kind, BT_BULLET_VERSION,
+                sizeof(btScalar) == sizeof(float) ? "single" : "double");
+}
+
+/// Quotes a cell with commas or quotes (RFC 4180).
+std::string quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
+  std::string text = "\"";
+  for (const char c : cell) text += c == '"' ? "\"\"" : std::string(1, c);
+  return text + "\"";
+}
+
+std::string numberText(double value) { return format("%.6g", value); }
+
+std::vector<std::string> startOf(const std::string& bench, const Subject& s) {
+  return {bench,    s.group,  s.scene, s.ticksPerSecond > 0.0 ? numberText(s.ticksPerSecond) : "",
+          s.engine, s.setting};
+}
+
+}  // namespace
+
+Results::Results(const std::string& folder, std::string bench) : folder_(folder), bench_(std::move(bench)) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error("cannot use the folder " + folder + ": " + error.message());
+  file_ = folder + "/" + bench_ + ".csv";
+  stream_.open(file_);
+  write({"bench", "group", "scene", "ticks_per_s", "engine", "setting", "measure", "unit", "value",
+         "lower_quartile", "upper_quartile", "samples"});
+  describeRun();
+  rows_ = 0;
+}
+
+void Results::describeRun() {
+  const Subject run{"run", "", "", "", 0.0};
+  note(run, "machine",
+       processorName() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads");
+  note(run, "build", buildText());
+  const char* commit = std::getenv("LIMBER_COMMIT");
+  note(run, "commit", commit ? commit : "unknown");
+}
+
+void Results::add(const Subject& subject, const std::string& measure, const std::string& unit, double value) {
+  std::vector<std::string> cells = startOf(bench_, subject);
+  cells.insert(cells.end(), {measure, unit, numberText(value), "", "", ""});
+  write(cells);
+}
+
+void Results::add(const Subject& subject, const std::string& measure, const std::string& unit,
+                  const std::vector<double>& samples) {
+  std::vector<std::string> cells = startOf(bench_, subject);
+  cells.insert(cells.end(), {measure, unit, numberText(median(samples)), numberText(quantile(samples, 0.25)),
+                             numberText(quantile(samples, 0.75)), std::to_string(samples.size())});
+  write(cells);
+}
+
+void Results::note(const Subject& subject, const std::string& measure, const std::string& text) {
+  std::vector<std::string> cells = startOf(bench_, subject);
+  cells.insert(cells.end(), {measure, "", text, "", "", ""});
+  write(cells);
+}
+
+void Results::write(const std::vector<std::string>& cells) {
+  for (std::size_t i = 0; i < cells.size(); ++i) stream_ << (i ? "," : "") << quoted(cells[i]);
+  stream_ << std::endl;
+  if (!stream_) throw std::runtime_error("cannot write " + file_);
+  ++rows_;
+}
+
+std::string hexText(std::uint64_t value) { return format("%016llx", static_cast<unsigned long long>(value)); }
+
+double peakMegabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+}  // namespace limber::bench

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Zlib
+#include "stability/stability.h"
+
+#include "results.h"
+#include "timing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber::bench {
+
+bool gainsEnergy(const CaseResult& row) {
+  return row.ran() && !(row.energyRatio <= kEnergyTarget + row.rounding);
+}
+
+bool drifts(const CaseResult& row) { return row.ran() && row.drift && !(*row.drift <= kDriftTarget); }
+
+bool losesSpin(const CaseResult& row) {
+  return row.ran() && row.spinDrift && !(*row.spinDrift <= kSpinTarget);
+}
+
+bool staysMisshapen(const CaseResult& row) {
+  return row.ran() && row.shape && row.shape->shape == Shape::Lost;
+}
+
+bool isHeldElsewhere(const CaseResult& row) {
+  if (!row.ran() || !row.shape) return false;
+  const Shape shape = row.shape->shape;
+  return shape == Shape::Other || shape == Shape::Saddle || shape == Shape::Spinning;
+}
+
+bool endsWrong(const CaseResult& row) { return row.ran() && row.wrongSide.value_or(0) > 0; }
+
+bool passes(const CaseResult& row) {
+  return row.ran() && row.finite && !gainsEnergy(row) && !drifts(row) && !losesSpin(row) &&
+         !staysMisshapen(row) && !endsWrong(row);
+}
+
+namespace {
+
+constexpr double kMaxDistance = 1e6;  // multiple of the size
+
+class CaseRun {
+ public:
+  /// Throws std::runtime_error if the engine does not support the case.
+  CaseRun(const HardCase& hard, const EngineChoice& choice, double dt);
+
+  void play(CaseResult& row, std::FILE* trace);
+
+ private:
+  BodyStates readStates() const;
+  void startBalance();
+  void measure(CaseResult& row);
+  void measureSpin(CaseResult& row);
+  /// Returns the spin about the centre of mass of the first body. Its change is only measured in cases with
+  /// one body.
+  Spin spinNow() const {
+    return spinOf(balance_.start(0).masses, states_.positions[0], states_.velocities[0]);
+  }
+  void judgeEnd(CaseResult& row) const;
+  void print(std::FILE* trace) const;
+
+  const HardCase& hard_;
+  double dt_, time_ = 0.0;
+  EnergyBalance balance_;
+  RigidBodies rigid_;  // before the engine: its world refers to them
+  std::unique_ptr<Engine> engine_;
+  BodyStates states_;
+  bool balanceStarted_ = false, lost_ = false;
+  Energy energy_, startEnergy_;                // J, now and when the balance started
+  double largestExcess_ = -1e300;              // J, excess over the limit, minus rounding
+  Eigen::Vector3d momentum_;                   // kg m/s, at the start
+  double momentumScale_ = 0.0, change_ = 0.0;  // kg m/s
+  Eigen::Vector3d spin_;                       // kg m^2/s, at the start
+  double spinScale_ = 0.0, spinChange_ = 0.0;  // kg m^2/s
+};
+
+CaseRun::CaseRun(const HardCase& hard, const EngineChoice& choice, double dt)
+    : hard_(hard), dt_(dt), balance_(hard) {
+  if (!hard.sees && choice.engine == "btSoftBody") throw std::runtime_error("btSoftBody does not see planes");
+  engine_ = open(hard, choice, dt, rigid_);
+  for (const ExtraSpring& spring : hard.springs) engine_->addSpring(spring.a, spring.b, spring.settings);
+  states_ = readStates();
+  momentum_ = balance_.momentum(states_);
+  momentumScale_ = balance_.momentumScale(states_);
+  spin_ = spinNow().momentum;
+  if (hard.energyFrom <= 0.0) startBalance();
+}
+
+BodyStates CaseRun::readStates() const {
+  BodyStates states;
+  for (std::size_t i = 0; i < hard_.bodies.size(); ++i) {
+    states.positions.push_back(engine_->positions(i));
+    states.velocities.push_back(engine_->velocities(i));
+  }
+  return states;
+}
+
+void CaseRun::startBalance() {
+  balanceStarted_ = true;
+  startEnergy_ = energy_ = balance_.energy(states_, rigid_);
+}
+
+bool isLost(const BodyStates& states, double size) {
+  for (std::size_t i = 0; i < states.positions.size(); ++i) {
+    const Eigen::Matrix3Xd& x = states.positions[i];
+    if (!x.allFinite() || !states.velocities[i].allFinite()) return true;
+    if (x.cwiseAbs().maxCoeff() > kMaxDistance * size) return true;
+  }
+  return false;
+}
+
+void CaseRun::measure(CaseResult& row) {
+  energy_ = balance_.energy(states_, rigid_);
+  const double excess =
+      energy_.value - energy_.rounding - kEnergyTarget * (startEnergy_.value + startEnergy_.rounding);
+  if (balanceStarted_ && excess > largestExcess_) {
+    largestExcess_ = excess;
+    row.energyRatio = energy_.value / startEnergy_.value;
+    row.rounding = (energy_.rounding + kEnergyTarget * startEnergy_.rounding) / startEnergy_.value;
+  }
+  momentumScale_ = std::max(momentumScale_, balance_.momentumScale(states_));
+  change_ = std::max(change_, (balance_.momentum(states_) - momentum_).norm());
+  if (row.drift) row.drift = change_ / momentumScale_;
+  measureSpin(row);
+}
+
+/// Measures the change of spin. It is relative to the largest spin that the points could have at a distance
+/// of one size from the centre with all the energy of the start, size * sqrt(2 m E), or to the observed one
+/// if that is larger: stiff damped bodies come to rest between two ticks.
+void CaseRun::measureSpin(CaseResult& row) {
+  if (!row.spinDrift) return;
+  const Spin spin = spinNow();
+  const double possible = hard_.size * std::sqrt(2.0 * balance_.start(0).masses.sum() * startEnergy_.value);
+  spinScale_ = std::max({spinScale_, spin.scale, possible});
+  spinChange_ = std::max(spinChange_, (spin.momentum - spin_).norm());
+  row.spinDrift = spinScale_ > 0.0 ? spinChange_ / spinScale_ : 0.0;
+}
+
+/// Checks that were not reached count as failures.
+void setLost(const HardCase& hard, CaseResult& row) {
+  row.finite = false;
+  row.energyRatio = kLost;
+  if (row.drift) row.drift = kLost;
+  if (row.spinDrift) row.spinDrift = kLost;
+  if (hard.recovers) row.shape = ShapeCheck{Shape::Lost, kLost};
+  if (hard.allowed) row.wrongSide = hard.bodies[0].network->restPoints.size();
+}
+
+/// Returns the check with the largest error.
+ShapeCheck worstShape(const HardCase& hard, const EnergyBalance& balance, const BodyStates& states) {
+  const bool alone = hard.gravity.isZero() && hard.springs.empty();
+  ShapeCheck worst{Shape::Rest, -1.0};
+  for (std::size_t i = 0; i < hard.bodies.size(); ++i) {
+    const ShapeCheck check = checkShape(
+        {hard.bodies[i], balance.start(i), states.positions[i], states.velocities[i], hard.size, alone});
+    if (check.error > worst.error) worst = check;
+  }
+  return worst;
+}
+
+/// Returns whether two points are at the same position.
+bool coincide(const Eigen::Matrix3Xd& x, double size) {
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    for (Eigen::Index j = i + 1; j < x.cols(); ++j)
+      if ((x.col(i) - x.col(j)).norm() < 1e-6 * size) return true;
+  return false;
+}
+
+void CaseRun::judgeEnd(CaseResult& row) const {
+  if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
+  // free bodies must not start to spin
+  const bool spun = row.shape && row.shape->shape == Shape::Spinning && hard_.freeFlight;
+  const bool leftSaddle = row.shape && row.shape->shape == Shape::Saddle && !hard_.startsInBalance;
+  if (spun || leftSaddle) row.shape->shape = Shape::Lost;
+  const bool lost = row.shape && row.shape->shape == Shape::Lost;
+  if (lost && hard_.startsInBalance && coincide(states_.positions[0], hard_.size))
+    row.shape->shape = Shape::Saddle;
+  if (!hard_.allowed) return;
+  std::size_t wrong = 0;
+  for (const Eigen::Matrix3Xd& points : states_.positions)
+    for (Eigen::Index i = 0; i < points.cols(); ++i) wrong += hard_.allowed(points.col(i)) ? 0u : 1u;
+  row.wrongSide = wrong;
+}
+
+void CaseRun::print(std::FILE* trace) const {
+  double fastest = 0.0, low = kLost;
+  for (const Eigen::Matrix3Xd& v : states_.velocities)
+    fastest = std::max(fastest, v.colwise().norm().maxCoeff());
+  for (const Eigen::Matrix3Xd& x : states_.positions) low = std::min(low, x.row(1).minCoeff());
+  std::fprintf(trace, "%.5f %.9g %.3e %.6g %.6g\n", time_,
+               balanceStarted_ ? energy_.value / startEnergy_.value : energy_.value, change_ / momentumScale_,
+               fastest, low);
+}
+
+void CaseRun::play(CaseResult& row, std::FILE* trace) {
+  const long ticks = std::lround(hard_.seconds / dt_);
+  for (long i = 1; i <= ticks && !lost_; ++i) {
+    time_ = static_cast<double>(i) * dt_;
+    if (hard_.drive) hard_.drive(rigid_, time_);
+    engine_->tick(dt_);
+    states_ = readStates();
+    lost_ = isLost(states_, hard_.size);
+    if (lost_) break;
+    if (!balanceStarted_ && time_ >= hard_.energyFrom) startBalance();
+    measure(row);
+    if (trace) print(trace);
+  }
+  lost_ ? setLost(hard_, row) : judgeEnd(row);
+}
+
+}  // namespace
+
+CaseResult playCase(const HardCase& hard, const EngineChoice& choice, double dt, std::FILE* trace) {
+  CaseResult row;
+  const bool slowed = choice.engine == "btSoftBody" && hard.bodies[0].drag > 0.0;
+  if (hard.freeFlight && !slowed) row.drift = 0.0;
+  if (row.drift && hard.bodies.size() == 1) row.spinDrift = 0.0;
+  try {
+    CaseRun(hard, choice, dt).play(row, trace);
+  } catch (const std::runtime_error& error) {
+    row.reason = error.what();
+  }
+  return row;
+}
+
+// --- the bench ---
+
+namespace {
+
+/// Returns Limber with each stepper, and those settings of other engines that are most similar to the springs
+/// and most stable.
+std::vector<EngineChoice> stableEngines(const Options& options) {
+  const std::string others[] = {"btSoftBody 4 iterations, calibrated",
+                                "btSoftBody 10 iterations, full stiffness", "btDeformable implicit"};
+  std::vector<EngineChoice> engines;
+  for (EngineChoice& choice : allEngines()) {
+    const std::string full = choice.engine + " " + choice.setting;
+    if (choice.isLimber() || std::find(std::begin(others), std::end(others), full) != std::end(others))
+      engines.push_back(std::move(choice));
+  }
+  return wantedEngines(engines, options);
+}
+
+std::vector<HardCase> wantedCases(const Options& options) {
+  std::vector<HardCase> cases;
+  const double seed = options.number("seed", 0);
+  for (HardCase& hard : allHardCases(options.quick)) {
+    if (seed > 0 && hard.seed != seed) continue;
+    hard.name += ", seed " + std::to_string(hard.seed);
+    cases.push_back(std::move(hard));
+  }
+  return wantedScenes(std::move(cases), options);
+}
+
+/// Adds a value and whether it misses its target; nothing if the case does not ask for it.
+void addCheck(const Subject& subject, const std::string& measure, std::optional<double> value, bool missed,
+              Results& results) {
+  if (!value) return;
+  results.add(subject, measure, "", *value);
+  results.add(subject, "missed: " + measure, "", missed);
+}
+
+void addRows(const Subject& subject, const CaseResult& r, Results& results) {
+  if (!r.ran()) return results.note(subject, "no result", r.reason);
+  addCheck(subject, "finite", r.finite, !r.finite, results);
+  addCheck(subject, "energy", r.energyRatio, gainsEnergy(r), results);
+  results.add(subject, "energy, rounding", "", r.rounding);
+  addCheck(subject, "momentum drift", r.drift, drifts(r), results);
+  addCheck(subject, "angular momentum drift", r.spinDrift, losesSpin(r), results);
+  if (r.shape) {
+    addCheck(subject, "shape error", r.shape->error, staysMisshapen(r), results);
+    results.note(subject, "shape", nameOf(r.shape->shape));
+  }
+  std::optional<double> wrong;
+  if (r.wrongSide) wrong = static_cast<double>(*r.wrongSide);
+  addCheck(subject, "points on the wrong side", wrong, endsWrong(r), results);
+  results.add(subject, "passed", "", passes(r));
+}
+
+void runStability(const Options& options, Results& results) {
+  Progress progress;
+  const std::vector<HardCase> cases = wantedCases(options);
+  const std::vector<EngineChoice> engines = stableEngines(options);
+  std::FILE* trace = options.word("trace") == "yes" ? stdout : nullptr;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    progress.show(cases[i].name, static_cast<double>(i) / static_cast<double>(cases.size()));
+    for (const double rate : options.numbers("ticks", {30, 60}))
+      for (const EngineChoice& choice : engines)
+        addRows({cases[i].group, cases[i].name, choice.engine, choice.setting, rate},
+                playCase(cases[i], choice, 1.0 / rate, trace), results);
+    if (i + 1 == cases.size() || cases[i + 1].group != cases[i].group) progress.finish(cases[i].group);
+  }
+}
+
+}  // namespace
+
+Bench stabilityBench() {
+  return {"stability",
+          "hard cases: finite, energy, momentum, shape, right side",
+          "5 minutes",
+          withEngineKeys({{"ticks", "ticks per second", 1, 10000, {}, true},
+                          {"seed", "only cases with this seed", 1, 1e6},
+                          {"trace",
+                           "print time, energy over that at the start, drift of momentum, largest speed and "
+                           "lowest height of each tick",
+                           0,
+                           0,
+                           {"yes", "no"}}}),
+          [](const Options& options) { return namesOf(wantedCases(options)); },
+          &runStability};
+}
+
+}  // namespace limber::bench

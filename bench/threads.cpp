@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Zlib
+// Gain of several threads. Each scene runs once without a parallel function, once with one that measures the
+// parallel parts on one thread, and once on each number of threads, all in turns.
+#include "contact/contact_stage.h"
+#include "engines/limber_engine.h"
+#include "results.h"
+#include "timing.h"
+
+#include <algorithm>
+#include <deque>
+#include <thread>
+
+namespace limber::bench {
+namespace {
+
+/// Runs tasks in order and adds up their time.
+struct TimedInOrder {
+  double milliseconds = 0.0;
+
+  ParallelFor function() {
+    return [this](std::size_t count, const std::function<void(std::size_t)>& task) {
+      const Stopwatch watch;
+      for (std::size_t i = 0; i < count; ++i) task(i);
+      milliseconds += watch.time().wallMs;
+    };
+  }
+};
+
+std::vector<unsigned> threadCounts() {
+  const unsigned most = std::max(2u, std::thread::hardware_concurrency());
+  std::vector<unsigned> counts;
+  for (unsigned n = 2; n < most; n *= 2) counts.push_back(n);
+  counts.push_back(most);
+  return counts;
+}
+
+EngineChoice engineWith(const std::string& setting, const ParallelFor& parallelFor) {
+  return {"Limber", setting, [parallelFor](const EngineUse&) { return makeLimberEngine(parallelFor); }};
+}
+
+/// The runs of a scene: without a parallel function, timed, and with each number of threads.
+struct Runs {
+  std::deque<EngineChoice> choices;
+  TimedInOrder timed;
+  std::deque<ThreadPool> pools;
+  std::vector<unsigned> threads{1, 1};
+  double insideWhileSettling = 0.0;  // ms in the parallel parts before the measured ticks
+
+  Runs() {
+    choices = {engineWith("1 thread", nullptr), engineWith("1 thread, timed", timed.function())};
+    for (const unsigned count : threadCounts()) {
+      pools.emplace_back(count);
+      choices.push_back(engineWith(std::to_string(count) + " threads", pools.back().parallelFor()));
+      threads.push_back(count);
+    }
+  }
+};
+
+/// Plays all stages in turns: threads of other stages sleep while one runs.
+void play(std::deque<ContactStage>& stages, const ContactScene& scene, Runs& runs) {
+  const int ticks = scene.settleTicks + scene.measuredTicks;
+  for (int done = 0; done < ticks;) {
+    const bool settles = done < scene.settleTicks;
+    const int turn = std::min(scene.turn, (settles ? scene.settleTicks : ticks) - done);
+    for (ContactStage& stage : stages) stage.advance(turn, 1e9);
+    done += turn;
+    if (settles) runs.insideWhileSettling = runs.timed.milliseconds;
+  }
+}
+
+/// Results of the repeats of a scene.
+struct Samples {
+  std::vector<std::vector<double>> tick, gain;  // ms; #runs, #repeats
+  std::vector<double> outside;                  // share of the tick outside the parallel parts, on one thread
+};
+
+void measureOnce(const ContactScene& scene, const Options& options, Samples& samples) {
+  Runs runs;
+  std::deque<ContactStage> stages;
+  const std::vector<EngineChoice> all(runs.choices.begin(), runs.choices.end());
+  Options anyEngine = options;
+  anyEngine.engines.clear();
+  for (const EngineChoice& choice : wantedEngines(all, anyEngine)) stages.emplace_back(scene, choice);
+  play(stages, scene, runs);
+  samples.tick.resize(stages.size()), samples.gain.resize(stages.size());
+  const double single = median(stages[0].wallTicks());
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    samples.tick[i].push_back(median(stages[i].wallTicks()));
+    samples.gain[i].push_back(single / samples.tick[i].back());
+  }
+  const double inside = runs.timed.milliseconds - runs.insideWhileSettling;
+  samples.outside.push_back(std::clamp(1.0 - inside / std::max(sum(stages[1].wallTicks()), 1e-9), 0.0, 1.0));
+}
+
+/// Returns the gain of so many threads if the parallel parts cost nothing but their work (Amdahl 1967).
+double largestGain(double outside, unsigned threads) { return 1.0 / (outside + (1.0 - outside) / threads); }
+
+void addRows(const ContactScene& scene, const Samples& samples, Results& results) {
+  std::vector<unsigned> threads = threadCounts();
+  threads.insert(threads.begin(), 1);
+  const double outside = median(samples.outside);
+  for (std::size_t i = 0; i < threads.size(); ++i) {
+    const std::size_t run = i == 0 ? 0 : i + 1;  // without the timed one
+    const Subject subject{nameOf(scene.role), scene.name, "Limber",
+                          std::to_string(threads[i]) + (i == 0 ? " thread" : " threads"), 1.0 / kContactTick};
+    results.add(subject, "threads", "", threads[i]);
+    results.add(subject, "tick, wall time", "ms", samples.tick[run]);
+    results.add(subject, "gain", "", samples.gain[run]);
+    results.add(subject, "largest possible gain", "", largestGain(outside, threads[i]));
+  }
+  const Subject single{nameOf(scene.role), scene.name, "Limber", "1 thread", 1.0 / kContactTick};
+  results.add(single, "outside the parallel parts", "%", 100.0 * outside);
+  for (const unsigned count : {8u, 64u})
+    results.add(single, "largest possible gain of " + std::to_string(count) + " threads", "",
+                largestGain(outside, count));
+}
+
+/// Returns the scenes with awake bodies.
+std::vector<ContactScene> awakeScenes(const Options& options) {
+  std::vector<ContactScene> scenes = wantedScenes(allContactScenes(options.quick), options);
+  scenes.erase(std::remove_if(scenes.begin(), scenes.end(), [](const ContactScene& s) { return s.sleeps(); }),
+               scenes.end());
+  return scenes;
+}
+
+void runThreads(const Options& options, Results& results) {
+  Progress progress;
+  const int repeats = static_cast<int>(options.number("repeats", 3));
+  for (const ContactScene& scene : awakeScenes(options)) {
+    Samples samples;
+    for (int i = 0; i < repeats; ++i) {
+      progress.show(scene.name, double(i) / repeats);
+      measureOnce(scene, options, samples);
+    }
+    addRows(scene, samples, results);
+    progress.finish(scene.name);
+  }
+}
+
+}  // namespace
+
+Bench threadsBench() {
+  return {"threads",
+          "gain of several threads, and the most that more threads could gain",
+          "5 minutes",
+          withEngineKeys({{"repeats", "repeats of each scene", 1, 100}}),
+          [](const Options& options) { return namesOf(awakeScenes(options)); },
+          &runThreads};
+}
+
+}  // namespace limber::bench
