@@ -16,8 +16,10 @@ BEST = "the best setting"
 
 
 class Table:
-    def __init__(self, title, header, rows):
-        self.title, self.header, self.rows = title, header, rows
+    """`brief`: also for the README."""
+
+    def __init__(self, title, header, rows, brief=False):
+        self.title, self.header, self.rows, self.brief = title, header, rows, brief
 
     def text(self):
         lines = [self.header] + self.rows
@@ -38,19 +40,19 @@ def with_unit(runs, measure):
     return f"{measure}, {unit}" if unit else measure
 
 
-def columns(title, runs, measures=(), label=lambda run: f"{run.scene}: {run.name}"):
+def columns(title, runs, measures=(), label=lambda run: f"{run.scene}: {run.name}", brief=False):
     """A line for each run, a column for each measure."""
     measures = measures or unique(m for run in runs for m in run.values)
     rows = [[label(run)] + [number(run.get(m)) for m in measures] for run in runs if "no result" not in run.texts]
-    return Table(title, [""] + [with_unit(runs, m) for m in measures], rows)
+    return Table(title, [""] + [with_unit(runs, m) for m in measures], rows, brief)
 
 
-def grid(title, runs, cell, row=lambda run: run.scene, column=lambda run: run.name):
+def grid(title, runs, cell, row=lambda run: run.scene, column=lambda run: run.name, brief=False):
     """A line for each scene, a column for each engine."""
     names = unique(column(run) for run in runs)
     found = {(row(run), column(run)): cell(run) for run in runs}
     rows = [[line] + [found.get((line, name), "") for name in names] for line in unique(row(run) for run in runs)]
-    return Table(title, [""] + names, rows)
+    return Table(title, [""] + names, rows, brief)
 
 
 # --- tables of the benches ------------------------------------------------------------------------------------------
@@ -80,11 +82,11 @@ def accuracy_tables(results):
               "btDeformable, best", "error", "tick, us"]
     tables = []
     for group in ("free motion", "with contacts"):
-        rows = [accuracy_line(results, own, measure)
-                for own in results.select(group=group, engine="Limber", setting="default", ticks="60")
-                for measure in errors_of(own)]
-        if rows:
-            tables.append(Table(f"{group}, 60 ticks a second", header, rows))
+        runs = results.select(group=group, engine="Limber", setting="default", ticks="60")
+        lines = {(run, measure): accuracy_line(results, run, measure) for run in runs for measure in errors_of(run)}
+        compared = [line for (run, measure), line in lines.items() if measure == errors_of(run)[0] and line[4] != "-"]
+        tables += [Table(f"{group}, 60 ticks a second", header, list(lines.values())),
+                   Table(f"Errors and times, {group}, 60 ticks a second", header, compared, brief=True)]
     orders = [run for run in results.runs if run.setting == "all numbers of substeps"]
     tables.append(columns("order of the error with Limber's substep (Verlet, 60 ticks a second)", orders,
                           label=lambda run: run.scene))
@@ -147,7 +149,7 @@ def stability_tables(results):
               "held in another shape", "passed"]
     names = unique(run.name for run in results.runs)
     of = {name: [run for run in results.runs if run.name == name] for name in names}
-    tables = [Table("all cases", header, [stability_line(of[name], name) for name in names])]
+    tables = [Table("all cases", header, [stability_line(of[name], name) for name in names], brief=True)]
     for group in unique(run.group for run in results.runs):
         lines = [stability_line([run for run in of[name] if run.group == group], name) for name in names]
         tables.append(Table(group, header, lines))
@@ -180,27 +182,43 @@ def contact_cell(run):
     return f"{number(run.get('tick'))} ({number(run.get('worst tick'))})"
 
 
+def is_budget(run):
+    return run.setting.startswith("at most")
+
+
+def cloth_cell(run):
+    strain = f", {number(run.get('strain'))} %" if "strain" in run.values else ""
+    return contact_cell(run) + strain
+
+
 def contact_tables(results):
     runs = [run for run in results.runs if run.group != "memory"]
-    tables = [grid("ms a tick, median (worst)", runs, contact_cell),
-              grid("strain of the springs along edges, %", [r for r in runs if "strain" in r.values],
-                   lambda run: number(run.get("strain"))),
-              grid("deepest penetration, % of the size", [r for r in runs if "deepest penetration" in r.values],
-                   lambda run: number(run.get("deepest penetration")))]
+    usual = [run for run in runs if not is_budget(run) and run.setting not in ("1 iteration", "10 iterations")]
+    sheets = [run for run in runs if run.group == "cloth" and run.engine != "loose spheres"]
+    tables = [grid("Milliseconds a tick, median (worst)", usual, contact_cell, brief=True),
+              grid("Strain of the springs along edges, %", [r for r in usual if r.get("strain") and r.group != "airborne"],
+                   lambda run: number(run.get("strain")), brief=True),
+              grid("Deepest penetration, % of the size", [r for r in usual if r.get("deepest penetration")],
+                   lambda run: number(run.get("deepest penetration")), brief=True),
+              grid("Cloths: milliseconds a tick (worst), strain", sheets, cloth_cell, row=lambda run: run.name,
+                   column=lambda run: run.scene, brief=True)]
     for scene in unique(run.scene for run in runs):
         own = [run for run in runs if run.scene == scene]
         tables.append(columns(scene, own, label=lambda run: run.name))
-    return tables + [columns("memory of Limber", results.select(group="memory"), label=lambda run: run.name)]
+    return tables + [columns("Memory of Limber", results.select(group="memory"), label=lambda run: run.name, brief=True)]
 
 
 def networks_tables(results):
     shapes = results.select(group="returns")
-    tables = [grid("returns from large deformations, % of the runs", shapes, lambda run: number(run.get("returns")),
-                   column=lambda run: run.setting)]
+    tables = [grid("Returns from large deformations, % of the runs", shapes, lambda run: number(run.get("returns")),
+                   column=lambda run: run.setting, brief=True)]
+    by_scene = ("mechanisms", "any mesh", "bars", "cooking")
     for group in unique(run.group for run in results.runs):
-        label = (lambda run: run.scene) if group in ("mechanisms", "any mesh", "bars") else (
-            lambda run: f"{run.scene}: {run.setting}")
-        tables.append(columns(group, results.select(group=group), label=label))
+        label = (lambda run: run.scene) if group in by_scene else (lambda run: f"{run.scene}: {run.setting}")
+        measures = [m for m in unique(m for run in results.select(group=group) for m in run.values)
+                    if group not in ("cooking", "any mesh") or not m.startswith(("returns, ", "failed"))]
+        tables.append(columns(group.capitalize(), results.select(group=group), measures, label=label,
+                              brief=group in ("any mesh", "bars", "cooking", "skins")))
     return tables
 
 
@@ -209,22 +227,32 @@ def springs_tables(results):
         free = results.by_fields[(run.group, "free") + run.fields[2:]].values["spring and substep"]
         own = run.values["spring and substep"]
         return number(own) if run.scene == "free" else f"{100 * (own / free - 1):+.0f} %"
-    return [grid("ns per spring and substep, cubes of 8 points and 28 springs; at rest on four points: what the contacts "
+    return [grid("Nanoseconds per spring and substep, cubes of 8 points and 28 springs; at rest: what the contacts "
                  "add", results.runs, cell, row=lambda run: run.setting,
-                 column=lambda run: f"{run.group}, {run.scene}")]
+                 column=lambda run: f"{run.group}, {run.scene}", brief=True)]
 
 
 def threads_tables(results):
     single = [run for run in results.runs if "outside the parallel parts" in run.values]
-    return [grid("gain over one thread (largest possible gain)", results.runs,
+    return [grid("Gain over one thread (largest possible gain)", results.runs,
                  lambda run: f"{number(run.get('gain'))} ({number(run.get('largest possible gain'))})",
-                 column=lambda run: run.setting),
-            columns("one thread", single, ["tick, wall time"] + [m for m in single[0].values if "outside" in m or
-                                                                 "gain of" in m], label=lambda run: run.scene)]
+                 column=lambda run: run.setting, brief=True),
+            columns("One thread", single, ["tick, wall time"] + [m for m in single[0].values if "outside" in m or
+                                                                 "gain of" in m], label=lambda run: run.scene,
+                    brief=True)]
 
 
 def render_tables(results):
-    return [columns(group, results.select(group=group)) for group in unique(run.group for run in results.runs)]
+    measures = ["upload", "upload and submit, own time", "frame", "frame, all threads", "sent per frame", "buffers"]
+    frames = [run for run in results.runs if "draw calls" in run.values and "1920x1080" in run.scene
+              and not re.match("(64|128) ", run.scene)]
+    skins = results.select(group="skins")
+    tables = [columns("Frames of 1920x1080", frames, measures, brief=True),
+              columns("Memory", results.select(group="memory"), brief=True),
+              grid("Frames of smooth bodies on 100 points, 1280x720 without shadows, ms of all threads", skins,
+                   lambda run: number(run.get("frame, all threads")), column=lambda run: run.setting, brief=True),
+              columns("64 cubes dropped, 1920x1080", results.select(group="files"), label=lambda run: run.setting, brief=True)]
+    return tables + [columns(group, results.select(group=group)) for group in unique(run.group for run in results.runs)]
 
 
 def scaling_tables(results):
@@ -247,10 +275,8 @@ def warnings(results):
     return Table("warnings", ["", ""], rows)
 
 
-# the last item is the number of tables for the README
-TABLES = {"accuracy": (accuracy_tables, 2), "contact": (contact_tables, 3), "networks": (networks_tables, 9),
-          "render": (render_tables, 5), "scaling": (scaling_tables, 0), "springs": (springs_tables, 1),
-          "stability": (stability_tables, 1), "threads": (threads_tables, 2)}
+TABLES = {"accuracy": accuracy_tables, "contact": contact_tables, "networks": networks_tables, "render": render_tables,
+          "scaling": scaling_tables, "springs": springs_tables, "stability": stability_tables, "threads": threads_tables}
 
 
 def busy_warning(results):
@@ -271,12 +297,39 @@ class Verdict:
         """The setting, where the target does not name it."""
         return [] if self.run.setting in ("", self.target["setting"]) else [self.run.setting]
 
+    def reached(self):
+        if self.value is None:
+            return "not measured"
+        is_small_ratio = self.target["compare"].startswith("ratio") and 0 < self.value < 0.1
+        value = f"1/{number(1 / self.value)}" if is_small_ratio else number(self.value)
+        return value + (f" ({', '.join([self.run.scene] + self.setting())})" if self.run else "")
+
+    def word(self):
+        return "-" if self.value is None else "hit" if self.hit else "MISS"
+
     def cells(self):
-        where = f" ({', '.join([self.run.scene] + self.setting())})" if self.run else ""
-        reached = "not measured" if self.value is None else number(self.value) + where
-        word = "-" if self.value is None else "hit" if self.hit else "MISS"
-        why = f": {self.target['why']}" if word == "MISS" and self.target["why"] else ""
-        return [self.target["what"], reached, word + why]
+        why = f": {self.target['why']}" if self.word() == "MISS" and self.target["why"] else ""
+        return [self.target["what"], self.reached(), self.word() + why]
+
+
+def merged(found):
+    """A line for each target: its misses, or a hit; of several hits alone the number and the weakest."""
+    lines = []
+    for target in unique(verdict.target["what"] for verdict in found):
+        own = [verdict for verdict in found if verdict.target["what"] == target]
+        missed = [verdict for verdict in own if not verdict.hit]
+        hits = len(own) - len(missed)
+        shown = missed or [own[0] if len(own) == 1 else weakest(own)]
+        text = ", ".join(verdict.reached() for verdict in shown)
+        if hits and len(own) > 1:
+            text += f"; {hits} of {len(own)} hit" if missed else f" is the weakest of {hits}"
+        lines.append([target, text, shown[0].cells()[2]])
+    return lines
+
+
+def weakest(found):
+    largest = found[0].target["relation"] == "<="
+    return (max if largest else min)(found, key=lambda verdict: verdict.value)
 
 
 def partner(results, run, rule, measure):
@@ -359,7 +412,7 @@ def load(bench, folder):
 def report(bench, folder):
     results = load(bench, folder)
     text = "\n".join(f"{name}: {value}" for name, value in results.about.items()) + "\n"
-    tables = [table for table in TABLES[bench][0](results) if table.rows]
+    tables = [table for table in TABLES[bench](results) if table.rows]
     text += "".join("\n" + table.text() for table in tables)
     lines = [verdict.cells() for verdict in verdicts(bench, results)]
     if lines:
@@ -378,10 +431,9 @@ def head(results):
 
 def renew_readme(path, bench, folder):
     results, text = load(bench, folder), path.read_text()
-    make, count = TABLES[bench]
-    tables = [table.markdown() for table in make(results)[:count] if table.rows]
+    tables = [table.markdown() for table in TABLES[bench](results) if table.brief and table.rows]
     text = renew(text, f"table {bench}", head(results) + "\n".join(tables))
-    lines = [verdict.cells() for verdict in verdicts(bench, results, brief=True)]
+    lines = merged(verdicts(bench, results, brief=True))
     text = renew(text, f"targets {bench}", Table("Targets", ["Target", "Reached", ""], lines).markdown())
     path.write_text(text)
 
@@ -392,7 +444,7 @@ def renew_misses(path, folder):
     for bench in TABLES:
         if (folder / f"{bench}.csv").exists():
             missed = [v for v in verdicts(bench, load(bench, folder), brief=True) if v.value is not None and not v.hit]
-            rows += [[bench] + verdict.cells()[:2] for verdict in missed]
+            rows += [[bench] + line[:2] for line in merged(missed)]
     table = Table("All missed targets", ["Bench", "Target", "Reached"], rows)
     path.write_text(renew(path.read_text(), "misses", table.markdown()))
 
