@@ -23,10 +23,10 @@ struct Key {
 
 /// The command line of a run.
 struct Options {
-  std::string out = "out/bench";  ///< folder of the results
-  bool quick = false;             ///< seconds instead of minutes; the times then mean little
-  bool list = false;              ///< list the scenes, measure nothing
-  std::string scene;              ///< part of the names of the scenes; empty: all
+  std::string out = "out/bench";            ///< folder of the results
+  bool quick = false;                       ///< seconds instead of minutes; the times then mean little
+  bool list = false;                        ///< list the scenes, measure nothing
+  std::string scene;                        ///< part of the names of the scenes; empty: all
   std::vector<std::string> engines;         ///< parts of "engine setting"; empty: all
   std::map<std::string, std::string> sets;  ///< valid values of --set
 
@@ -68,7 +68,8 @@ std::vector<std::string> namesOf(const std::vector<Scene>& scenes) {
   return names;
 }
 
-// --- the benches --------------------------------------------------------------------------------------------
+// --- the benches
+// --------------------------------------------------------------------------------------------
 
 Bench accuracyBench();   ///< errors and times in scenes with a known outcome
 Bench contactBench();    ///< times of bodies that fly, land, rest, sleep, drape and pile up

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
-"""Tables and targets of FOLDER/BENCH.csv: report.py BENCH FOLDER [README]
+"""Tables and targets of FOLDER/BENCH.csv: report.py BENCH FOLDER [READMES...]
 
-Prints them, and writes FOLDER/BENCH.txt. With a README, renews what lies between its markers  <!-- table BENCH -->,
+Prints them, and writes FOLDER/BENCH.txt. Renews what lies between the markers of READMEs:  <!-- table BENCH -->,
 <!-- targets BENCH -->, <!-- misses -->  and  <!-- end -->."""
 
 import csv
@@ -78,8 +78,8 @@ def accuracy_line(results, own, measure):
 
 
 def accuracy_tables(results):
-    header = ["error of", "Limber", "springs, us", "tick, us", "btSoftBody, best", "error", "tick, us",
-              "btDeformable, best", "error", "tick, us"]
+    header = ["error of", "Limber", "springs, µs", "tick, µs", "btSoftBody, best", "error", "tick, µs",
+              "btDeformable, best", "error", "tick, µs"]
     tables = []
     for group in ("free motion", "with contacts"):
         runs = results.select(group=group, engine="Limber", setting="default", ticks="60")
@@ -93,6 +93,19 @@ def accuracy_tables(results):
     tables.append(tick_orders(results))
     remarks = [[run.scene, run.texts["remark"]] for run in results.select(group="remarks")]
     return tables + [Table("for orientation", ["scene", ""], remarks)]
+
+
+def short_table(results):
+    """For the front page: some scenes, times as springs / whole tick."""
+    rows = []
+    for scene in ("oscillator", "chain with 10 000 x end mass", "spinning cubes 1e3", "spinning cubes 1e5",
+                  "block cantilever 1e3", "block cantilever 1e5", "cloth", "dropped cube 1e3", "dropped cube 1e4",
+                  "dropped cube 1e5", "cube on a free box of 1 kg"):
+        for own in results.select(scene=scene, engine="Limber", setting="default", ticks="60"):
+            line = accuracy_line(results, own, errors_of(own)[0])
+            rows.append([line[0], line[1], line[5], f"{line[2]} / {line[3]}", line[6]])
+    header = ["Scene: error of", "Limber", "btSoftBody", "Limber's time, µs", "btSoftBody's time, µs"]
+    return Table("Errors, and times of a tick (Limber's springs / whole tick)", header, rows)
 
 
 def tick_orders(results):
@@ -433,6 +446,8 @@ def renew_readme(path, bench, folder):
     results, text = load(bench, folder), path.read_text()
     tables = [table.markdown() for table in TABLES[bench](results) if table.brief and table.rows]
     text = renew(text, f"table {bench}", head(results) + "\n".join(tables))
+    if bench == "accuracy":
+        text = renew(text, "table accuracy short", head(results) + short_table(results).markdown())
     lines = merged(verdicts(bench, results, brief=True))
     text = renew(text, f"targets {bench}", Table("Targets", ["Target", "Reached", ""], lines).markdown())
     path.write_text(text)
@@ -449,17 +464,17 @@ def renew_misses(path, folder):
     path.write_text(renew(path.read_text(), "misses", table.markdown()))
 
 
-def main(bench, folder, readme=None):
+def main(bench, folder, *readmes):
     folder = pathlib.Path(folder)
     text = report(bench, folder)
     (folder / f"{bench}.txt").write_text(text)
     print(text, end="")
-    if readme:
-        renew_readme(pathlib.Path(readme), bench, folder)
-        renew_misses(pathlib.Path(readme), folder)
+    for path in readmes:
+        renew_readme(pathlib.Path(path), bench, folder)
+        renew_misses(pathlib.Path(path), folder)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4) or sys.argv[1] not in TABLES:
+    if len(sys.argv) < 3 or sys.argv[1] not in TABLES:
         sys.exit(__doc__)
     main(*sys.argv[1:])

@@ -52,7 +52,7 @@ def store(run, row):
         run.texts[measure] = row["value"]
         return
     run.values[measure] = float(row["value"])
-    run.units[measure] = row["unit"]
+    run.units[measure] = row["unit"].replace("us", "µs")
     if row["samples"]:
         run.quartiles[measure] = float(row["lower_quartile"]), float(row["upper_quartile"])
 

@@ -2,7 +2,7 @@
 // Gain of several threads. Each scene runs once without a parallel function, once with one that measures the
 // parallel parts on one thread, and once on each number of threads, all in turns.
 #include "contact/contact_stage.h"
-#include "engines/limber_engine.h"
+#include "engines/engines.h"
 #include "results.h"
 #include "timing.h"
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/accuracy_scene.h"
 #include "bullet_soft/body_start.h"
-#include "engines/limber_engine.h"
+#include "engines/engines.h"
 #include "results.h"
 #include "timing.h"
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 
 namespace limber::bench {
 namespace {
@@ -16,14 +15,6 @@ using Clock = std::chrono::steady_clock;  // a tick can take a microsecond, so t
 
 constexpr double kUsualTick = 1.0 / 60;
 constexpr double kMaxDistance = 1e4;  // m, larger than any scene
-
-void addToHash(std::uint64_t& hash, const Eigen::Matrix3Xd& values) {
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, values.data() + i, sizeof bits);
-    hash = (hash ^ bits) * 1099511628211ull;  // FNV-1a
-  }
-}
 
 BodySetup shifted(BodySetup body, int copy) {
   const Eigen::Vector3d offset(0, 0, 20.0 * copy);
@@ -123,7 +114,7 @@ void Stage::record() {
 }
 
 std::uint64_t Stage::hash() const {
-  std::uint64_t hash = 14695981039346656037ull;
+  std::uint64_t hash = kHashStart;
   for (const auto& points : trace_.last().positions) addToHash(hash, points);
   for (const auto& speeds : trace_.last().velocities) addToHash(hash, speeds);
   return hash;

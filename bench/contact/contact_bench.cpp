@@ -2,9 +2,7 @@
 #include "contact/contact_bench.h"
 
 #include "contact/contact_stage.h"
-#include "engines/bare_engine.h"
-#include "engines/bullet_soft_engines.h"
-#include "engines/limber_engine.h"
+#include "engines/engines.h"
 #include "results.h"
 #include "scene/bodies.h"
 #include "timing.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "contact/contact_scene.h"
 #include "scene/bodies.h"
-#include "stability/case_parts.h"
+#include "stability/hard_case.h"
 #include "support/small_meshes.h"
 
 #include <limber/network_builder.h>

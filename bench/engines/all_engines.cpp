@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "engines/bullet_soft_engines.h"
 #include "engines/engine.h"
-#include "engines/limber_engine.h"
+#include "engines/engines.h"
 
 namespace limber::bench {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "engines/bare_engine.h"
+#include "engines/engines.h"
 
 #include "bullet_soft/body_start.h"
 

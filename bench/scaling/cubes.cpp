@@ -1,80 +1,40 @@
 // SPDX-License-Identifier: Zlib
 #include "scaling/cubes.h"
 
-#include "engines/engine.h"
+#include "engines/engines.h"
+#include "scene/rigid_bodies.h"
 #include "scenes/scene_list.h"
 
 #include <limber/contacts.h>
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 
 namespace limber::bench {
 
-// --- loose spheres ---
-
 namespace {
 
-/// Without inertia, as the point masses of soft bodies are.
-std::unique_ptr<btRigidBody> sphereLike(const btRigidBody& point, btSphereShape& shape) {
-  btRigidBody::btRigidBodyConstructionInfo info(point.getMass(), nullptr, &shape, btVector3(0, 0, 0));
-  info.m_startWorldTransform = point.getWorldTransform();
-  info.m_friction = point.getFriction();
-  auto sphere = std::make_unique<btRigidBody>(info);
-  sphere->setAngularFactor(btScalar(0));
-  sphere->setFlags(sphere->getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
-  return sphere;
-}
-
-void addFloorOf(const scenes::Scene& scene, scenes::SceneWorld& world) {
+/// Adds a sphere of the same radius, mass and friction for each point mass, over the same floor. Nothing
+/// supports the upper ones, so all of them come to lie on the floor.
+void addSpheres(const scenes::Scene& scene, Cubes& cubes) {
   const btRigidBody& floor = *scene.world->statics.front();
   const auto& box = static_cast<const btBoxShape&>(*floor.getCollisionShape());
-  const btVector3 centre = floor.getWorldTransform().getOrigin();
-  scenes::addStatic(world, std::make_unique<btBoxShape>(box.getHalfExtentsWithMargin()),
-                    {double(centre.x()), double(centre.y()), double(centre.z())},
-                    double(floor.getFriction()));
-}
-
-void addToHash(std::uint64_t& hash, const btVector3& v) {
-  for (const btScalar value : {v.x(), v.y(), v.z()}) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof value);
-    hash = (hash ^ bits) * 1099511628211ull;  // FNV-1a
-  }
-}
-
-/// A sphere of the same radius, mass and friction for each point mass of a scene of like bodies, where that
-/// point is, over the same floor. Nothing holds the upper ones up, so all of them come to lie on the floor.
-std::unique_ptr<BareSpheres> makeBareSpheres(const scenes::Scene& scene) {
-  auto bare = std::make_unique<BareSpheres>();
-  addFloorOf(scene, bare->world);
-  const SoftBody& first = *scene.soft->body(0);
-  bare->shape =
-      std::make_unique<btSphereShape>(static_cast<btScalar>(pointRadius(first.network(), first.settings())));
+  cubes.spheres = makeBareEngine();
+  cubes.spheres->world().setGravity(scene.world->dynamics.getGravity());
+  addBox(cubes.rigid, cubes.spheres->world(), fromBullet(box.getHalfExtentsWithMargin()), 0,
+         fromBullet(floor.getWorldTransform().getOrigin()), double(floor.getFriction()));
   for (std::size_t b = 0; b < scene.soft->bodyCount(); ++b) {
     const SoftBody& body = *scene.soft->body(b);
-    for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
-      bare->spheres.push_back(sphereLike(*body.point(i), *bare->shape));
-      bare->world.dynamics.addRigidBody(bare->spheres.back().get());
-    }
+    BodySetup setup;
+    setup.network = body.sharedNetwork();
+    setup.settings = body.settings();
+    setup.maySleep = true;  // see keepAwake()
+    cubes.spheres->addBody(setup);
   }
-  return bare;
 }
-
-std::uint64_t stateHash(const BareSpheres& bare) {
-  std::uint64_t hash = 14695981039346656037ull;
-  for (const auto& sphere : bare.spheres) {
-    addToHash(hash, sphere->getWorldTransform().getOrigin());
-    addToHash(hash, sphere->getLinearVelocity());
-  }
-  return hash;
-}
-
-// --- cubes ---
 
 btDiscreteDynamicsWorld& worldOf(const Cubes& cubes) {
-  return cubes.scene ? cubes.scene->world->dynamics : cubes.bare->world.dynamics;
+  return cubes.scene ? cubes.scene->world->dynamics : cubes.spheres->world();
 }
 
 /// A body asleep costs next to nothing: what is to be measured must stay awake.
@@ -110,7 +70,7 @@ Cubes makeCubes(const ScalingOptions& options, Mode mode, std::uint32_t count) {
   cubes.bodies = count;
   cubes.points = scenes::pointCount(*cubes.scene);
   if (mode == Mode::Bare) {
-    cubes.bare = makeBareSpheres(*cubes.scene);
+    addSpheres(*cubes.scene, cubes);
     cubes.scene.reset();
   } else {
     cubes.springs = scenes::springCount(*cubes.scene);
@@ -150,7 +110,13 @@ std::size_t contactCount(const Cubes& cubes) {
 double asleepShare(const Cubes& cubes) { return asleepShare(worldOf(cubes)); }
 
 std::uint64_t stateHash(const Cubes& cubes) {
-  return cubes.scene ? scenes::stateHash(*cubes.scene) : stateHash(*cubes.bare);
+  if (cubes.scene) return scenes::stateHash(*cubes.scene);
+  std::uint64_t hash = kHashStart;
+  for (std::size_t body = 0; body < cubes.bodies; ++body) {
+    addToHash(hash, cubes.spheres->positions(body));
+    addToHash(hash, cubes.spheres->velocities(body));
+  }
+  return hash;
 }
 
 }  // namespace limber::bench

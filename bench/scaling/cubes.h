@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "scene/scene.h"
 #include "scene_renderer.h"
 #include "scenes/scene.h"
 #include "timing.h"
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 namespace limber::bench {
 
@@ -30,20 +30,13 @@ struct ScalingOptions {
   bool sleep = false;              ///< bodies at rest may fall asleep
 };
 
-/// Loose spheres over a floor: what Bullet itself asks for so many bodies.
-struct BareSpheres {
-  // the world comes last, so that it goes first, while what is in it still exists
-  std::unique_ptr<btSphereShape> shape;
-  std::vector<std::unique_ptr<btRigidBody>> spheres;
-  scenes::SceneWorld world;
-};
-
 /// What is measured: soft cubes, drawn or not, or loose spheres.
 struct Cubes {
   std::uint32_t bodies = 0;
   std::size_t points = 0, springs = 0;
   std::unique_ptr<scenes::Scene> scene;           ///< the cubes, or nullptr
-  std::unique_ptr<BareSpheres> bare;              ///< the spheres, or nullptr
+  RigidBodies rigid;                              ///< the floor of the spheres, which outlives their world
+  std::unique_ptr<Engine> spheres;                ///< or nullptr
   std::unique_ptr<demo::SceneRenderer> renderer;  ///< nullptr: no pictures
   render::Image image;
 };

@@ -31,6 +31,10 @@ struct Scenario {
 std::unique_ptr<Engine> open(const Scenario& scenario, const EngineChoice& choice, const EngineUse& use,
                              RigidBodies& rigid);
 
+/// Adds numbers bit for bit (FNV-1a).
+void addToHash(std::uint64_t& hash, const Eigen::Matrix3Xd& values);
+constexpr std::uint64_t kHashStart = 14695981039346656037ull;
+
 inline double relativeError(double value, double exact) {
   return std::isfinite(value) ? std::abs(value / exact - 1.0) : kLost;
 }

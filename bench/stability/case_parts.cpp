@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "stability/case_parts.h"
 #include "bullet_soft/body_start.h"
+#include "results.h"
 #include "scene/bodies.h"
 #include "scene/rigid_bodies.h"
-#include "results.h"
+#include "stability/hard_case.h"
 
 #include <Eigen/Geometry>
 

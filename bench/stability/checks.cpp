@@ -3,7 +3,7 @@
 
 #include "mesh/linear_algebra.h"
 #include "scene/spring_system.h"
-#include "stability/case_parts.h"
+#include "stability/hard_case.h"
 
 #include <Eigen/Geometry>
 

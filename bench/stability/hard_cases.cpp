@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include "stability/case_parts.h"
 #include "stability/hard_case.h"
 
 #include <cmath>

@@ -2,7 +2,7 @@
 // The measurements of the contact bench, compared with known values.
 #include "contact/contact_bench.h"
 #include "contact/contact_stage.h"
-#include "engines/bullet_soft_engines.h"
+#include "engines/engines.h"
 #include "scene/bodies.h"
 
 #include <gtest/gtest.h>

@@ -3,8 +3,7 @@
 #include "engines/engine.h"
 
 #include "bullet_soft/body_start.h"
-#include "engines/bullet_soft_engines.h"
-#include "engines/limber_engine.h"
+#include "engines/engines.h"
 #include "scene/bodies.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The measurements of the stability bench, compared with known values.
 #include "stability/stability.h"
-#include "stability/case_parts.h"
+#include "stability/hard_case.h"
 
 #include <gtest/gtest.h>
 

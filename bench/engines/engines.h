@@ -3,7 +3,27 @@
 
 #include "engines/engine.h"
 
+#include <limber/parallel.h>
+
 namespace limber::bench {
+
+// --- Limber ---
+
+/// Changes a scene's settings before Limber's body is made, for example to force a stepper.
+using TuneSettings = std::function<void(SoftBodySettings&)>;
+
+std::unique_ptr<Engine> makeLimberEngine(TuneSettings tune = {});
+
+/// Returns an engine whose soft bodies are stepped by this function; see SoftBodySystem::setParallelFor().
+std::unique_ptr<Engine> makeLimberEngine(ParallelFor parallelFor);
+
+/// Forces a stepper.
+std::unique_ptr<Engine> makeLimberEngine(Stepper stepper);
+
+/// Returns the number of Verlet substeps that the body takes in a tick of dt seconds with its own settings.
+int stableSubsteps(const BodySetup& setup, double dt);
+
+// --- Bullet's soft bodies ---
 
 /// The stiffness of btSoftBody's links.
 enum class LinkStiffness : std::uint8_t {
@@ -36,5 +56,11 @@ std::unique_ptr<Engine> makeSoftBodyEngine(double dt, int iterations, LinkStiffn
 /// Creates Bullet's deformable body with btDeformableMassSpringForce. It supports two spring constants: that
 /// of the body, and that of its bending springs.
 std::unique_ptr<Engine> makeDeformableEngine(bool implicit);
+
+// --- loose spheres ---
+
+/// Plain Bullet with a separate sphere for each point, of its mass, radius and friction and without rotation:
+/// Bullet's own cost of so many bodies. There are no springs.
+std::unique_ptr<Engine> makeBareEngine();
 
 }  // namespace limber::bench
