@@ -225,7 +225,7 @@ def draw_bars(axes, runs, measure, category, series, percent=False):
         colour, _, _, _, hatch = style_of(name, i)
         drawn = axes.barh(y, found.values(), 0.92 * height, color=colour, hatch=hatch, edgecolor="white", linewidth=0.3,
                           label=name)
-        labels = [f"{v:.0f}" if percent or v >= 100 else f"{v:.3g}" for v in found.values()]
+        labels = [f"{v:.0f}" if percent or v >= 100 else f"{v:.2g}" if v < 10 else f"{v:.3g}" for v in found.values()]
         axes.bar_label(drawn, labels, padding=2, fontsize=7)
     axes.set_yticks(range(len(categories)), categories)
     axes.set_ylim(len(categories) - 0.5, -0.5)
@@ -234,7 +234,7 @@ def draw_bars(axes, runs, measure, category, series, percent=False):
 
 def bars(runs, measure, category, series, sentence, x_label, percent=False):
     names, categories = unique(map(series, runs)), unique(map(category, runs))
-    height = max(3.2, 0.135 * len(names) * len(categories) + 1.6)
+    height = max(3.2, 0.12 * len(names) * len(categories) + 1.6)
     figure, axes = pyplot.subplots(figsize=(WIDTH, height), layout="constrained")
     draw_bars(axes, runs, measure, category, series, percent)
     finish(axes, "", x_label)
@@ -268,23 +268,31 @@ def plot_stability(results):
                             "cases without a miss, % of those that the engine can take part in", percent=True)
 
 
+SHAPES = {"ico": "sphere", "cyl": "cylinder", "lshape": "L", "noise": "bumpy sphere", "hull": "convex body"}
+
+
+def shape_name(scene):
+    name, points, rest = re.fullmatch(r"([a-z]+)(\d+)(.*)", scene).groups()
+    return f"{SHAPES.get(name, name)}{rest}, {points} points"
+
+
 def plot_networks(results):
     runs = results.select(group="returns")
-    rules = unique(run.setting for run in runs)
-    figure, axes = pyplot.subplots(figsize=(WIDTH, 0.34 * len(unique(r.scene for r in runs)) + 2.2), layout="constrained")
-    scenes = unique(run.scene for run in runs)
-    for i, rule in enumerate(rules):
+    scenes, rules = unique(run.scene for run in runs), unique(run.setting for run in runs)
+    rules.sort(key=lambda rule: not rule.startswith("pipeline"))  # its markers are behind the others
+    figure, axes = pyplot.subplots(figsize=(WIDTH, 0.27 * len(scenes) + 2.0), layout="constrained")
+    for (colour, marker, fill, _, _), rule in zip(SERIES, rules):
         own = [run for run in runs if run.setting == rule]
-        colour, marker, fill, _, _ = SERIES[::-1][i % len(SERIES)] if rule != "pipeline (default)" else SERIES[0]
         axes.plot([run.values["returns"] for run in own], [scenes.index(run.scene) for run in own], color=colour,
-                  marker=marker, markerfacecolor=fill, markersize=8 if rule == "pipeline (default)" else 6.5,
-                  linestyle="none", label=rule, clip_on=False)
-    axes.set_yticks(range(len(scenes)), [re.sub(r"(\d+)$", r", \1 points", scene) for scene in scenes])
+                  marker=marker, markerfacecolor=fill if marker == "o" else "none", markersize=10 if marker == "o" else 7,
+                  markeredgewidth=1.5, linestyle="none", label=rule, clip_on=False)
+    axes.set_yticks(range(len(scenes)), [shape_name(scene) for scene in scenes])
     axes.set_ylim(len(scenes) - 0.5, -0.5)
     axes.set_xlim(-2, 102)
     finish(axes, "", "bodies that come back from large deformations, % of the seeded runs")
-    full = sum(run.values["returns"] >= 99 for run in runs if run.setting == "pipeline (default)")
-    titled(figure, f"With the pipeline's braces, {full} of {len(scenes)} shapes come back from at least 99 % of the deformations")
+    full = sum(run.values["returns"] >= 99 for run in runs if run.setting.startswith("pipeline"))
+    titled(figure, f"With braces of the pipeline, {full} of {len(scenes)} shapes come back from at least 99 % of the "
+                   "deformations")
     legend_below(figure, axes, 5)
     yield "networks", figure
 
@@ -296,7 +304,7 @@ def plot_render(results):
     runs = [run for run in runs if largest in run.scene and not run.scene.startswith("64 ")]
     if not runs:
         return
-    figure, axes = pyplot.subplots(1, 2, figsize=(WIDTH, 0.33 * len(runs) + 2.0), sharey=True, layout="constrained")
+    figure, axes = pyplot.subplots(1, 2, figsize=(WIDTH, 0.25 * len(runs) + 1.8), sharey=True, layout="constrained")
     for one, (measure, title) in zip(axes, (("upload and submit, own time", "sending bodies to the driver"),
                                             ("frame, all threads", "whole frame, with a rasteriser on the CPU"))):
         draw_bars(one, runs, measure, lambda run: run.scene.replace(f", {largest}", "").replace(", ", ",\n"),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "bullet_soft/body_start.h"
+#include "engines/engine.h"
 
 namespace limber::bench {
 
