@@ -36,7 +36,7 @@ bool isNumber(const std::string& text, double low, double high) {
 }
 
 std::string allowedValues(const Key& key) {
-  std::string text = key.isList ? "one or more, separated by commas, " : "";
+  std::string text = key.isList ? "one or more, separated by commas, " : key.words.empty() ? "" : "one ";
   if (key.words.empty()) {
     char range[80];
     std::snprintf(range, sizeof range, "from %g to %g", key.low, key.high);
@@ -107,6 +107,17 @@ std::optional<ExitCode> parse(const Bench& bench, int argc, char** argv, Options
   return std::nullopt;
 }
 
+/// Returns the options as they were given, without the folder of the results.
+std::string optionsText(int argc, char** argv) {
+  std::string text;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--out") ++i;
+    if (word.rfind("--out", 0) != 0) text += (text.empty() ? "" : " ") + word;
+  }
+  return text.empty() ? "none" : text;
+}
+
 ExitCode run(const Bench& bench, int argc, char** argv) {
   Options options;
   if (const auto end = parse(bench, argc, argv, options)) return *end;
@@ -120,7 +131,7 @@ ExitCode run(const Bench& bench, int argc, char** argv) {
     for (const std::string& scene : scenes) std::printf("%s\n", scene.c_str());
     return kSuccess;
   }
-  Results results(options.out, bench.name);
+  Results results(options.out, bench.name, optionsText(argc, argv));
   bench.run(options, results);
   if (results.empty()) {
     std::fprintf(stderr, "limber-bench: nothing was measured; is there such an engine?\n");

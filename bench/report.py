@@ -439,7 +439,11 @@ def renew(readme, marker, content):
 
 
 def head(results):
-    return f"Measured on {results.about['machine']}, commit {results.about['commit']}.\n\n"
+    options = results.about.get("options", "none")
+    text = f"Measured on {results.about['machine']}, commit {results.about['commit']}"
+    if options != "none":
+        text += f", with `{options}`"
+    return text + ".\n" + busy_warning(results) + "\n"
 
 
 def renew_readme(path, bench, folder):

@@ -55,7 +55,8 @@ std::vector<std::string> startOf(const std::string& bench, const Subject& s) {
 
 }  // namespace
 
-Results::Results(const std::string& folder, std::string bench) : folder_(folder), bench_(std::move(bench)) {
+Results::Results(const std::string& folder, std::string bench, const std::string& options)
+    : folder_(folder), bench_(std::move(bench)) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error("cannot use the folder " + folder + ": " + error.message());
@@ -63,17 +64,18 @@ Results::Results(const std::string& folder, std::string bench) : folder_(folder)
   stream_.open(file_);
   write({"bench", "group", "scene", "ticks_per_s", "engine", "setting", "measure", "unit", "value",
          "lower_quartile", "upper_quartile", "samples"});
-  describeRun();
+  describeRun(options);
   rows_ = 0;
 }
 
-void Results::describeRun() {
+void Results::describeRun(const std::string& options) {
   const Subject run{"run", "", "", "", 0.0};
   note(run, "machine",
        processorName() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads");
   note(run, "build", buildText());
   const char* commit = std::getenv("LIMBER_COMMIT");
   note(run, "commit", commit ? commit : "unknown");
+  note(run, "options", options);
 }
 
 void Results::add(const Subject& subject, const std::string& measure, const std::string& unit, double value) {

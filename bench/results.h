@@ -23,8 +23,8 @@ struct Subject {
 /// std::runtime_error with the reason if the file cannot be written.
 class Results {
  public:
-  /// Makes the folder. The first rows describe the machine, the build and the commit.
-  Results(const std::string& folder, std::string bench);
+  /// Makes the folder. The first rows describe the machine, the build, the commit and the options of the run.
+  Results(const std::string& folder, std::string bench, const std::string& options);
 
   void add(const Subject& subject, const std::string& measure, const std::string& unit, double value);
   /// Adds the median of samples, with their quartiles and number.
@@ -37,7 +37,7 @@ class Results {
   const std::string& folder() const { return folder_; }
 
  private:
-  void describeRun();
+  void describeRun(const std::string& options);
   void write(const std::vector<std::string>& cells);
 
   std::string folder_, bench_, file_;
