@@ -344,7 +344,7 @@ def check_contact(program, _, bench):
                 check_contact_run(one, found)
             if one.engine == "Limber" and one.group in ("rest", "asleep", "landing"):
                 expect(one.values["deepest penetration"] < 0.1, f"in the floor: {one.fields}")
-        for word in ("hit ", "MISS", "memory of Limber"):
+        for word in ("hit ", "MISS", "Memory of Limber"):
             expect(word in text, f"no {word}: {text}")
         folder.plots(bench, "contact", "contact")
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // cook(): what becomes of meshes of every kind, and materials of what is not filled with tetrahedra.
 
+#include "support/small_meshes.h"
+
 #include <limber/cook.h>
 
 #include <gtest/gtest.h>
@@ -11,6 +13,8 @@
 
 namespace limber {
 namespace {
+
+using small_meshes::joined;
 
 using Eigen::Vector3d;
 
@@ -93,14 +97,6 @@ TriangleMesh flag(double wave) {
       mesh.triangles.push_back({a, a + 1, a + kCells + 2});
       mesh.triangles.push_back({a, a + kCells + 2, a + kCells + 1});
     }
-  return mesh;
-}
-
-TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
-  TriangleMesh mesh = a;
-  const auto first = static_cast<std::uint32_t>(a.positions.size());
-  mesh.positions.insert(mesh.positions.end(), b.positions.begin(), b.positions.end());
-  for (const Triangle& t : b.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   return mesh;
 }
 

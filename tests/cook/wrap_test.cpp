@@ -2,6 +2,7 @@
 // wrap(): a closed surface around meshes that are none.
 
 #include "mesh/surface.h"
+#include "support/small_meshes.h"
 
 #include <limber/mesh.h>
 
@@ -14,6 +15,8 @@
 namespace limber {
 namespace {
 
+using small_meshes::joined;
+
 /// A box of 12 triangles.
 TriangleMesh box(const Eigen::Vector3d& middle, const Eigen::Vector3d& size) {
   TriangleMesh mesh;
@@ -23,14 +26,6 @@ TriangleMesh box(const Eigen::Vector3d& middle, const Eigen::Vector3d& size) {
   }
   mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
-}
-
-TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
-  TriangleMesh mesh = a;
-  const auto first = static_cast<std::uint32_t>(a.positions.size());
-  mesh.positions.insert(mesh.positions.end(), b.positions.begin(), b.positions.end());
-  for (const Triangle& t : b.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   return mesh;
 }
 

@@ -125,4 +125,13 @@ TriangleMesh collinearTriangle() {
   return mesh;
 }
 
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh = a;
+  const auto first = static_cast<std::uint32_t>(a.positions.size());
+  mesh.positions.insert(mesh.positions.end(), b.positions.begin(), b.positions.end());
+  for (const limber::Triangle& t : b.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return mesh;
+}
+
 }  // namespace small_meshes

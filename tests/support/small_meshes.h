@@ -36,4 +36,7 @@ TriangleMesh isolatedVertex();
 /// A triangle whose vertices 0, 1, 2 are on a line, and a valid triangle.
 TriangleMesh collinearTriangle();
 
+/// Returns the pieces of both meshes.
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b);
+
 }  // namespace small_meshes
