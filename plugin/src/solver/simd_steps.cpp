@@ -405,7 +405,7 @@ PointView viewOf(SpringBatchArrays& springBatches) {
 }
 
 void stepSpringBatches(SolverBody& body, double tick, int substeps) {
-  kernel::ContactCalls calls;
+  kernel::ContactCalls calls{};
   const kernel::SpringBatchBody springBatches = loadSpringBatches(body, &calls);
   BodyContacts contacts{&body, viewOf(*body.springBatches), tick / substeps};
   calls = contacts.calls();
