@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+// The code of plugin/README.md compiles: each piece is a file, which the page shows word for word.
+#include <limber/limber.h>
+
+void changeSettings(limber::SoftBody* body) {
+#include "snippets/change.inc"
+}
+
+struct Parts {
+  const btCollisionObject *belt, *platform, *terrain, *zone;
+};
+
+bool isIce(int triangle) { return triangle % 2 == 0; }
+
+void filterContacts(limber::SoftBodySystem& soft, const Parts& parts) {
+  const auto [belt, platform, terrain, zone] = parts;
+#include "snippets/filter.inc"
+}
+
+void addField(limber::SoftBodySystem& soft) {
+#include "snippets/field.inc"
+}
