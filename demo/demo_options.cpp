@@ -98,7 +98,7 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--camera", line.camera, "auto (default), orbit, or EYEX,EYEY,EYEZ,ATX,ATY,ATZ in metres")
       ->check(choice(parseCamera, o.camera, "CAMERA"));
   app.add_option("--overlay", line.overlay,
-                 "draw contacts, velocities, boxes, constraints, islands: some, with commas")
+                 "draw contacts, velocities, boxes, constraints, islands: some, with commas, or none")
       ->check(choice(parseOverlay, o.overlay, "LIST"));
   app.add_option("--context", line.context,
                  "what draws: auto (a GPU if there is one), osmesa, egl, egl:N or surfaceless")

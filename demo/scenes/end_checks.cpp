@@ -112,7 +112,8 @@ std::string anyBody(const Scene& scene, Reason reason) {
 
 std::string whyNotCalm(double motion, double metres) {
   if (motion <= metres) return {};
-  if (std::isinf(motion)) return " is not calm: it has not been watched for long enough, or is not finite";
+  if (std::isinf(motion))
+    return " is not calm: the run was too short to tell (half a second at least), or it is not finite";
   return text(" is not calm: a point moved %.4g m of late, allowed is %.4g m", motion, metres);
 }
 

@@ -10,7 +10,8 @@ namespace limber::demo {
 namespace {
 
 constexpr double kHalfTurn = 3.141592653589793;
-constexpr double kMaxPitch = 0.49 * kHalfTurn;                // the view from above has no "up"
+// the view from above has no "up"; a user does not mean to look from below the floor
+constexpr double kMinPitch = 0.02, kMaxPitch = 0.49 * kHalfTurn;
 constexpr double kMinDistance = 0.01, kMaxDistance = 1000.0;  // m
 constexpr double kZoomStep = 0.88;                            // times the distance, a step of the wheel
 constexpr double kNearShare = 0.02, kFarShare = 40.0;         // of the distance
@@ -77,7 +78,8 @@ OrbitCamera orbitOf(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
 OrbitCamera orbited(OrbitCamera camera, Pixel movement, const WindowSize& size) {
   const double angle = kHalfTurn / size.height;  // half a turn for the height of the window
   camera.yaw = std::remainder(camera.yaw - angle * movement.x, 2.0 * kHalfTurn);
-  camera.pitch = std::clamp(camera.pitch + angle * movement.y, -kMaxPitch, kMaxPitch);
+  const double lowest = std::min(camera.pitch, kMinPitch);
+  camera.pitch = std::clamp(camera.pitch + angle * movement.y, lowest, kMaxPitch);
   return camera;
 }
 

@@ -50,7 +50,7 @@ void drawFigures(const Session& session, const History& history, const FrameFigu
               history.meanMs());
   ImGui::Text("%zu bodies, %zu awake, %zu points", session.scene().soft->bodyCount(), profile.awakeBodies,
               scenes::pointCount(session.scene()));
-  ImGui::Text("%zu contacts, %zu islands, tick %lld", profile.contacts, profile.islands,
+  ImGui::Text("%zu contacts, %zu coupled islands, tick %lld", profile.contacts, profile.islands,
               static_cast<long long>(session.ticks()));
 }
 

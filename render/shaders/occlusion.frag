@@ -13,11 +13,12 @@ vec3 placeAt(vec2 pixel) {
   return deepness(inside) * viewRay(inside);
 }
 
-// The nearer of two neighbours lies on the same surface.
+// The nearer of two neighbours lies on the same surface. At the picture's edge there is one only.
 vec3 along(vec3 place, vec2 pixel, vec2 step) {
   vec3 ahead = placeAt(pixel + step) - place;
   vec3 behind = place - placeAt(pixel - step);
-  return dot(ahead, ahead) < dot(behind, behind) ? ahead : behind;
+  float forward = dot(ahead, ahead), backward = dot(behind, behind);
+  return backward == 0.0 || (forward > 0.0 && forward < backward) ? ahead : behind;
 }
 
 float horizonAt(vec3 place, vec3 toEye, vec2 pixel, float low) {

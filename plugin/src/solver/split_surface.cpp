@@ -160,31 +160,46 @@ class SkinSplitter {
             skin.points.begin() + skin.firstWeight[skinned + 1]};
   }
 
-  /// Returns the element around the points whose centre is nearest to a place, of those on the side; if there
-  /// is none, or side is 0, of all.
+  /// Returns the element whose centre is nearest to a place, of those on the side around the points; if there
+  /// is none, or side is 0, of all around them. Points of a dense skin are all over the body: so are its
+  /// elements.
   std::uint32_t nearest(const Vector3d& place, const std::vector<std::uint32_t>& points, int side) const {
+    constexpr std::size_t kFewPoints = 32;
     std::uint32_t best = kNoPoint;
     double least = 0.0;
-    for (const std::uint32_t point : points)
-      for (std::uint32_t k = s_.old.firstOf[point]; k < s_.old.firstOf[point + 1]; ++k) {
-        const std::uint32_t e = s_.old.around[k];
-        if (side * s_.request.side[e] < 0 || (side != 0 && s_.request.side[e] == 0)) continue;
-        const double distance = (centers_[e] - place).squaredNorm();
-        if (best != kNoPoint && distance >= least) continue;
-        best = e;
-        least = distance;
-      }
+    const auto consider = [&](std::uint32_t e) {
+      if (side * s_.request.side[e] < 0 || (side != 0 && s_.request.side[e] == 0)) return;
+      const double distance = (centers_[e] - place).squaredNorm();
+      if (best != kNoPoint && distance >= least) return;
+      best = e;
+      least = distance;
+    };
+    if (points.size() > kFewPoints) {
+      for (std::uint32_t e = 0; e < centers_.size(); ++e) consider(e);
+    } else {
+      for (const std::uint32_t point : points)
+        for (std::uint32_t k = s_.old.firstOf[point]; k < s_.old.firstOf[point + 1]; ++k)
+          consider(s_.old.around[k]);
+    }
     return best == kNoPoint && side != 0 ? nearest(place, points, 0) : best;
   }
 
   /// Returns the element on the side that a vertex follows: if possible the one that it follows already.
-  std::uint32_t hostOfVertex(std::uint32_t vertex, int side) const {
+  std::uint32_t findHost(std::uint32_t vertex, int side) const {
     const std::vector<std::uint32_t> points = pointsOf(vertex);
-    const std::uint32_t own = hostOf(s_, points);
-    const auto hasCorner = [&](std::uint32_t point) { return cornerFrom(s_, own, point) != kNoPoint; };
-    const bool whole = points.size() <= 4 && std::all_of(points.begin(), points.end(), hasCorner);
-    if (whole && (side == 0 || s_.request.side[own] * side > 0)) return own;
+    if (points.size() <= 4) {
+      const std::uint32_t own = hostOf(s_, points);
+      const auto hasCorner = [&](std::uint32_t point) { return cornerFrom(s_, own, point) != kNoPoint; };
+      const bool whole = std::all_of(points.begin(), points.end(), hasCorner);
+      if (whole && (side == 0 || s_.request.side[own] * side > 0)) return own;
+    }
     return nearest(rest_[render_.vertexToPoint[vertex]], points, side);
+  }
+
+  std::uint32_t hostOfVertex(std::uint32_t vertex, int side) {
+    const auto [it, isNew] = hosts_.try_emplace({vertex, side}, 0);
+    if (isNew) it->second = findHost(vertex, side);
+    return it->second;
   }
 
   /// Returns the vertex that follows a tetrahedron in place of an old one.
@@ -206,8 +221,9 @@ class SkinSplitter {
 
   const Separation& s_;
   RenderSurface& render_;
-  std::vector<Vector3d> rest_;     // #skinned points
-  std::vector<Vector3d> centers_;  // #elements
+  std::vector<Vector3d> rest_;                                    // #skinned points
+  std::vector<Vector3d> centers_;                                 // #elements
+  std::map<std::pair<std::uint32_t, int>, std::uint32_t> hosts_;  // of a vertex on a side
   std::map<Follower, std::uint32_t> hosted_, made_;
 };
 
