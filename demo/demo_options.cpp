@@ -135,6 +135,9 @@ std::string windowConflict(const CommandLine& line) {
         "--points", "--set", "--split", "--camera", "--overlay", "--size"})
     if (replay && line.app->count(option) > 0)
       return std::string(option) + " has no meaning with --replay: the recording has the scene and the view";
+  for (const char* option : {"--stats", "--seconds", "--fps", "--out", "--context"})
+    if (replay && !o.window.open && line.app->count(option) > 0)
+      return std::string(option) + " has no meaning with --replay and --mode none";
   if (!o.window.open) return {};
   for (const char* option : {"--fps", "--out", "--stats", "--context", "--no-video", "--no-preview"})
     if (line.app->count(option) > 0) return std::string(option) + " has no meaning with --window";

@@ -11,7 +11,8 @@ namespace limber::bullet_soft {
 namespace {
 
 constexpr double kTwinTick = 1.0 / double(scenes::kTicksPerSecond);  // s
-constexpr double kHardness = 1.0;  // kKHR: with Bullet's default of 0.1 bodies sink into static ones
+constexpr double kLostStretch = 3.0;  // RMS strain of bodies that have lost their shape for good
+constexpr double kHardness = 1.0;     // kKHR: with Bullet's default of 0.1 bodies sink into static ones
 
 /// Returns what of a body's settings btSoftBody cannot have, or an empty string.
 std::string missingOf(const SoftBody& body) {
@@ -150,9 +151,13 @@ bool TwinSettings::operator==(const TwinSettings& other) const {
 
 // --- making it ---------------------------------------------------------------------------------------------
 
+std::string BulletTwin::problemOf(const scenes::Scene& scene) {
+  const std::string missing = missingOf(scene);
+  return missing.empty() ? missing : "btSoftBody has no " + missing;
+}
+
 Result<std::unique_ptr<BulletTwin>> BulletTwin::create(std::unique_ptr<scenes::Scene> scene) {
-  if (const std::string missing = missingOf(*scene); !missing.empty())
-    return Error{"btSoftBody has no " + missing};
+  if (std::string problem = problemOf(*scene); !problem.empty()) return Error{std::move(problem)};
   return std::unique_ptr<BulletTwin>(new BulletTwin(std::move(scene)));
 }
 
@@ -249,7 +254,7 @@ void BulletTwin::tick(const scenes::Scene& other, const TwinSettings& settings,
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   tickMs_ = took.count();
   ++scene_->ticks;
-  if (!isFinite()) problem_ = "btSoftBody has become unstable";
+  if (!isFinite() || figures().stretch > kLostStretch) problem_ = "btSoftBody has become unstable";
 }
 
 /// Takes over what has changed in the other scene.

@@ -47,7 +47,9 @@ struct SpringFigures {
 /// the same masses, places, velocities and pins. Gravity, wind, stiffness and pins follow the other scene.
 class BulletTwin {
  public:
-  /// Errors: a feature of the scene that btSoftBody has no counterpart of.
+  /// Returns which feature of the scene btSoftBody has no counterpart of, or an empty string.
+  static std::string problemOf(const scenes::Scene& scene);
+  /// Errors: those of problemOf().
   static Result<std::unique_ptr<BulletTwin>> create(std::unique_ptr<scenes::Scene> scene);
   ~BulletTwin();
   BulletTwin(const BulletTwin&) = delete;

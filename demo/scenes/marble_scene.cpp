@@ -11,7 +11,7 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kEdge = 1.0;       // m, of a cube
-constexpr double kRadius = 0.02;    // m, of its points
+constexpr double kRadius = 0.004;   // m, of its points: little is to be seen between cube and floor
 constexpr double kMarble = 0.06;    // m, radius: far smaller than a face
 constexpr double kMass = 0.05;      // kg, of a marble
 constexpr double kDrop = 0.6;       // m above the cube
@@ -85,7 +85,7 @@ SceneResult createMarble(const SceneOptions& options) {
   const std::uint32_t count = options.count.value_or(2);
   const double half = 0.5 * kSpacing * double(count - 1);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 8.0 + half, kRadius);
+  addFloor(*scene, 8.0 + half, 0.0);
   Random random(options.seed);
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::string reason = addCube(*scene, *cube, cubeSettings(options), kSpacing * i - half, random);
@@ -93,7 +93,7 @@ SceneResult createMarble(const SceneOptions& options) {
   }
   const double halfView = half + 0.8 * kEdge;
   scene->view.box =
-      Eigen::AlignedBox3d(Eigen::Vector3d(-halfView, 0, -0.6), Eigen::Vector3d(halfView, 1.7, 2.0));
+      Eigen::AlignedBox3d(Eigen::Vector3d(-halfView, 0, -0.6), Eigen::Vector3d(halfView, 1.7, 1.2));
   scene->view.direction = {0.5, 0.5, 1.0};
   scene->endChecks = {checkFinite, checkAboveFloor, checkMarbles};
   watchMovablesApart(*scene, kDent);

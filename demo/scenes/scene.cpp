@@ -133,7 +133,8 @@ void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, doubl
   const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + radius;
   addFloor(scene, 1.5 * half + 8.0 * size, drawnHeight);
   const Eigen::Vector3d halfView(half - 0.2 * size, 0.0, half - 0.2 * size);
-  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 0.9 * size, 0.0));
+  const double height = grid.count == 1 ? 2.5 * size : 0.9 * size;  // one body is seen from its start on
+  scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, height, 0.0));
   scene.view.direction = {0.4, 0.5, 1.0};
 }
 

@@ -69,7 +69,9 @@ std::string valueProblem(const Command& command) {
   if (command.action != Action::Set) return {};
   for (const SettingInfo& info : settingList()) {
     if (command.word != info.name) continue;
-    return rangeProblem(info.name, command.numbers[0], info.low, info.high);
+    const double value = command.numbers[0];
+    if (info.whole && value != std::round(value)) return std::string(info.name) + " must be a whole number";
+    return rangeProblem(info.name, value, info.low, info.high);
   }
   return "there is no setting " + command.word;
 }

@@ -44,13 +44,18 @@ void drawPlayback(Session& session, Controls& controls) {
   if (!chosen.empty()) session.perform({Action::Scene, {}, chosen});
 }
 
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
 void drawFigures(const Session& session, const History& history, const FrameFigures& figures) {
   const TickProfile& profile = session.scene().soft->profile();
   ImGui::Text("%.0f frames/s, draw %.1f ms, tick %.2f ms", figures.framesPerSecond, figures.drawMs,
               history.meanMs());
-  ImGui::Text("%zu bodies, %zu awake, %zu points", session.scene().soft->bodyCount(), profile.awakeBodies,
-              scenes::pointCount(session.scene()));
-  ImGui::Text("%zu contacts, %zu coupled islands, tick %lld", profile.contacts, profile.islands,
+  ImGui::Text("%s, %zu awake, %s", counted(session.scene().soft->bodyCount(), "body", "bodies").c_str(),
+              profile.awakeBodies, counted(scenes::pointCount(session.scene()), "point", "points").c_str());
+  ImGui::Text("%s, %s, tick %lld", counted(profile.contacts, "contact", "contacts").c_str(),
+              counted(profile.islands, "coupled island", "coupled islands").c_str(),
               static_cast<long long>(session.ticks()));
 }
 
@@ -93,6 +98,7 @@ struct PlotArea {
 
 /// Returns the next of 1, 2, 5, 10, ... so that the scale of a plot seldom changes.
 float roundedUp(float value) {
+  if (value <= 0.0f) return 1.0f;
   const float power = std::pow(10.0f, std::floor(std::log10(std::max(value, 1e-6f))));
   for (const float step : {1.0f, 2.0f, 5.0f})
     if (value <= step * power) return step * power;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -211,7 +212,7 @@ std::string headerOf(const SceneChoice& choice, const WindowSize& size) {
   if (o.mass) add("mass", digits(*o.mass));
   if (o.scale) add("scale", digits(*o.scale));
   if (!o.meshFile.empty()) {
-    add("mesh", o.meshFile);
+    add("mesh", std::filesystem::absolute(o.meshFile).string());  // a replay may begin in another folder
     add("feel", nameOf(o.feel));
     add("points", std::to_string(o.cook.points));
     if (o.cook.mode == CookMode::Braces) text += "braces\n";

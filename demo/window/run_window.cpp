@@ -155,7 +155,10 @@ ExitCode Play::run() {
   start_ = frameStart_ = Clock::now();
   logLine("opened %d x %d, %s", window_.size().width, window_.size().height, stage_.driver().c_str());
   while (!ends()) {
-    if (stopSignal != 0) throw Stopped{};
+    if (stopSignal != 0) {
+      finish();
+      throw Stopped{};
+    }
     frame();
   }
   return finish();

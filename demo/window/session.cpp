@@ -214,7 +214,7 @@ std::string Session::show(const Command& command) {
   layers_[layer] = command.numbers[0] != 0.0;
   if (static_cast<Layer>(layer) != Layer::Split || layers_[layer] == before) return {};
   camera_ = framedCamera(*scene_, layout(size_).view);
-  if (layers_[layer]) return restart();
+  if (layers_[layer] && bullet_soft::BulletTwin::problemOf(*scene_).empty()) return restart();
   createTwin();
   return {};
 }
@@ -223,6 +223,8 @@ void Session::createTwin() {
   twin_.reset();
   twinProblem_.clear();
   if (!shows(Layer::Split)) return;
+  twinProblem_ = bullet_soft::BulletTwin::problemOf(*scene_);
+  if (!twinProblem_.empty()) return;
   scenes::SceneResult scene = scenes::findScene(choice_.name)->create(choice_.options);
   auto twin = scene ? bullet_soft::BulletTwin::create(std::move(*scene))
                     : Result<std::unique_ptr<bullet_soft::BulletTwin>>(Error{scene.error()});

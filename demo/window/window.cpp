@@ -32,6 +32,9 @@ char keyOf(int key) {
   return key >= 32 && key < 127 ? static_cast<char>(key) : '\0';
 }
 
+constexpr int kImGuiButtons[] = {ImGuiMouseButton_Left, ImGuiMouseButton_Middle,
+                                 ImGuiMouseButton_Right};  // of Button
+
 bool closes(char key) { return key == 'Q' || key == kEscape; }
 
 /// GLFW gives its callbacks a window.
@@ -111,15 +114,48 @@ void Window::listen() {
   });
 }
 
+/// A frame ends with a press or release, and before a release that follows a movement: sliders move only
+/// while the button is down. So a press and a movement count where they happened, however long a frame takes.
+std::size_t Window::eventsOfFrame() const {
+  bool moved = false, clicked = false;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const Event::Kind kind = events_[i].kind;
+    if (kind == Event::Kind::Key) continue;
+    if (clicked || (moved && kind == Event::Kind::Release)) return i;
+    moved = moved || kind == Event::Kind::Move;
+    clicked = kind == Event::Kind::Press || kind == Event::Kind::Release;
+  }
+  return events_.size();
+}
+
+/// Before 1.87 ImGui asks GLFW where the mouse is now; later versions keep the order of events themselves.
+void Window::tellImGui(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Event& event = events_[i];
+    told_ = event.pixel;
+    if (event.kind == Event::Kind::Press) pressed_[static_cast<std::size_t>(event.button)] = true;
+    if (event.kind == Event::Kind::Release) pressed_[static_cast<std::size_t>(event.button)] = false;
+  }
+#if IMGUI_VERSION_NUM < 18700
+  ImGuiIO& io = ImGui::GetIO();
+  io.MousePos = {static_cast<float>(told_.x), static_cast<float>(told_.y)};
+  for (const Button button : {Button::Left, Button::Middle, Button::Right})
+    io.MouseDown[kImGuiButtons[static_cast<std::size_t>(button)]] =
+        pressed_[static_cast<std::size_t>(button)];
+#endif
+}
+
 void Window::beginFrame(Controls& controls, bool interactive) {
   glfwPollEvents();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  const std::size_t count = eventsOfFrame();
+  tellImGui(count);
   ImGui::NewFrame();
   controls.resize(size());
-  for (const Event& event : events_)
-    if (interactive || closes(event.key)) handle(event, controls);
-  events_.clear();
+  for (std::size_t i = 0; i < count; ++i)
+    if (interactive || closes(events_[i].key)) handle(events_[i], controls);
+  events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(count));
   controls.finishMovement();
 }
 

@@ -4,6 +4,8 @@
 #include "window/controls.h"
 #include "window/orbit_camera.h"
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -47,11 +49,14 @@ class Window {
   void open(const WindowSize& size, const std::string& title);
   void listen();
   void openImGui();
+  std::size_t eventsOfFrame() const;
+  void tellImGui(std::size_t count);
   void handle(const Event& event, Controls& controls) const;
 
   GLFWwindow* window_ = nullptr;
   std::vector<Event> events_;
-  Pixel mouse_;  // at the last event
+  Pixel mouse_, told_;             // at the last event, as ImGui knows it
+  std::array<bool, 3> pressed_{};  // buttons, as ImGui knows them
   std::string title_;
 };
 

@@ -41,7 +41,8 @@ float sunlight(float turn) {
   vec3 coord = vec3(shadowCoord.xy, min(shadowCoord.z, 1.0) - 1.5 * texel * (0.2 + length(slope)));
   float reach = sun * 0.35, sum = 0.0, count = 0.0;
   for (int i = 0; i < BLOCKER_TAPS; ++i) {
-    vec2 offset = reach * onDisk(i, BLOCKER_TAPS, turn);
+    // the middle first: rings alone would miss what is small and near
+    vec2 offset = i == 0 ? vec2(0.0) : reach * onDisk(i, BLOCKER_TAPS, turn);
     float found = textureLod(shadowMap, coord.xy + offset, 0.0).r;
     float own = coord.z + dot(slope, offset);
     sum += found < own ? found : 0.0;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 namespace limber::demo {
 namespace {
 
@@ -49,7 +51,7 @@ TEST(Recording, isReadAsItWasWritten) {
                            lineOf(RecordedState{30, 0x1f, false}) + lineOf(RecordedState{45, 0xabcdef, true});
   const Result<Recording> read = parseRecording(text, "a.rec");
   ASSERT_TRUE(read) << read.error();
-  EXPECT_EQ(read->choice.options.meshFile, "a folder/a mesh.obj");
+  EXPECT_EQ(read->choice.options.meshFile, std::filesystem::absolute("a folder/a mesh.obj"));
   EXPECT_EQ(read->choice.options.stiffness, 0.1);
   EXPECT_EQ(headerOf(read->choice, read->size), headerOf(choice, {640, 480}));
   ASSERT_EQ(read->commands.size(), 1u);

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Zlib
 """Plays with the demo's window as a user does: python3 window_test.py limber-demo FOLDER
 
-It pulls a cube, pauses, moves a slider, shoots, pins, cuts, goes to the next scene and closes the window; then
-it replays the recording without a display, and another one with btSoftBody beside it in a window. It waits for lines of the program's log, never for a time. The exit
-code is 77 if Xvfb or libxtst6 is not installed.
+It pulls a cube, pauses, moves sliders, shoots, pins, cuts, goes to the next scene and closes the window; then it
+replays the recording without a display, and another one with btSoftBody beside it in a window. It waits for lines of
+the program's log, never for a time. The exit code is 77 if Xvfb or libxtst6 is not installed.
 """
 import math
 import os
@@ -102,9 +102,22 @@ def move_slider(mouse, log):
     return factor
 
 
+def throw_slider(mouse, log):
+    """A press counts where it happened, even if the mouse has left the panel within the same frame."""
+    x, y, width, height = numbers(
+        log.wait(rf"slider stiffness at {NUMBER} {NUMBER}, {NUMBER} x {NUMBER}"))
+    mouse.move(x + 0.5 * width, y + 0.5 * height)
+    before = len(log.lines())
+    mouse.button(1, True)
+    mouse.move(600, y)
+    mouse.button(1, False)
+    log.wait(rf"set stiffness {NUMBER}", lambda match: numbers(match)[0] > 99, before)
+    assert not any("grab" in line or "camera" in line for line in log.lines()[before:]), "the scene got the press"
+
+
 def shoot_pin_and_cut(mouse, log):
     restart(mouse, log)
-    x, y = numbers(log.wait_new(rf"body 0 at .* pixel {NUMBER} {NUMBER}"))
+    x, y = numbers(log.wait_new(rf"body 0 at .* pixel {NUMBER} {NUMBER}", lambda match: numbers(match)[1] > 200))
     mouse.move(x, y)
     mouse.press("p")
     log.wait(r"pin .*: pinned body 0 point")
@@ -144,6 +157,7 @@ def play(program, folder, server):
         pause(mouse, log)
         factor = move_slider(mouse, log)
         shoot_pin_and_cut(mouse, log)
+        throw_slider(mouse, log)
         mouse.press("n")
         log.wait(r"scene \w")
         window = next(w for w in mouse.windows() if "limber-demo" in mouse.title(w))
