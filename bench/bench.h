@@ -68,8 +68,7 @@ std::vector<std::string> namesOf(const std::vector<Scene>& scenes) {
   return names;
 }
 
-// --- the benches
-// --------------------------------------------------------------------------------------------
+// --- the benches -------------------------------------------------------------------------------------------
 
 Bench accuracyBench();   ///< errors and times in scenes with a known outcome
 Bench contactBench();    ///< times of bodies that fly, land, rest, sleep, drape and pile up

@@ -82,8 +82,7 @@ std::deque<TestCube> makeCubes(int count, double damping, bool resting) {
   return cubes;
 }
 
-// --- methods of stepping
-// ------------------------------------------------------------------------------------
+// --- methods of stepping -----------------------------------------------------------------------------------
 
 /// A method of stepping cubes.
 struct Method {

@@ -39,8 +39,7 @@ double largest(const std::vector<double>& samples);
 double quantile(std::vector<double> samples, double share);
 double median(std::vector<double> samples);
 
-// --- progress
-// -----------------------------------------------------------------------------------------------
+// --- progress ----------------------------------------------------------------------------------------------
 
 /// On standard error: a line for each finished part and, on a terminal, a bar for the part that runs.
 class Progress {

@@ -46,8 +46,7 @@ struct SceneMaker {
 };
 
 /// With `quick` they are few and short.
-std::vector<SceneMaker> freeScenes(bool quick);  // free_scenes.cpp: springs, chains, waves, shapes
-std::vector<SceneMaker> contactScenes(
-    bool quick);  // contact_scenes.cpp: impacts, rest, sliding, rigid partners
+std::vector<SceneMaker> freeScenes(bool quick);     // free_scenes.cpp: springs, chains, waves, shapes
+std::vector<SceneMaker> contactScenes(bool quick);  // contact_scenes.cpp: impacts, rest, rigid partners
 
 }  // namespace limber::bench

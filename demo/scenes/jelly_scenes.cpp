@@ -74,8 +74,7 @@ std::string addFilled(Scene& scene, const SharedNetwork& network, const Material
   return addBody(scene, network, settings, look);
 }
 
-// --- wobble
-// -------------------------------------------------------------------------------------------------
+// --- wobble ------------------------------------------------------------------------------------------------
 
 constexpr double kShakeUntil = 1.2, kShakePeriod = 0.4, kShake = 0.05;  // s, s, m
 constexpr double kDishHalf = 0.36, kDishHeight = 0.06;                  // m
@@ -124,8 +123,7 @@ SceneResult createWobble(const SceneOptions& options) {
   return scene;
 }
 
-// --- stiffness
-// ------------------------------------------------------------------------------------------------
+// --- stiffness ---------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -168,8 +166,7 @@ SceneResult createStiffness(const SceneOptions& options) {
   return scene;
 }
 
-// --- balloon
-// ---------------------------------------------------------------------------------------------------
+// --- balloon -----------------------------------------------------------------------------------------------
 
 namespace {
 

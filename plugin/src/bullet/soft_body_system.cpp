@@ -428,8 +428,7 @@ const TickProfile& SoftBodySystem::profile() const { return impl_->step->profile
 
 double SoftBodySystem::tickFraction() const { return limber::tickFraction(*impl_->world); }
 
-// --- debug drawing
-// ------------------------------------------------------------------------------------------
+// --- debug drawing -----------------------------------------------------------------------------------------
 
 namespace {
 
