@@ -45,7 +45,6 @@ struct CommandLine {
   bool braces = false, connect = false, noCache = false;
   const CLI::App* app = nullptr;
   CLI::Option* scene = nullptr;
-  CLI::Option* out = nullptr;
 };
 
 /// Accepts the texts that `parse` accepts, and stores its result in `value`.
@@ -93,7 +92,7 @@ void addRunOptions(CLI::App& app, CommandLine& line) {
       ->check(CLI::IsMember({"shaded", "wireframe", "none"}));
   app.add_option("--quality", line.quality, "gallery (default of pictures) or fast (default of the window)")
       ->check(CLI::IsMember({"gallery", "fast"}));
-  line.out = app.add_option("--out", o.outFolder, "folder of the pictures (default out/SCENE)");
+  app.add_option("--out", o.outFolder, "folder of the pictures (default out/SCENE)");
   app.add_option("--stats", o.statsFile, "write the figures of the run to this JSON file");
   app.add_option("--camera", line.camera, "auto (default), orbit, or EYEX,EYEY,EYEZ,ATX,ATY,ATZ in metres")
       ->check(choice(parseCamera, o.camera, "CAMERA"));
@@ -160,7 +159,9 @@ std::string conflict(const CommandLine& line) {
   }
   if (const std::uint32_t bodies = scenes::findScene(o.scene)->bodies; o.sceneOptions.count && bodies > 0)
     return "--count has no meaning in the scene " + o.scene + ", which always has as many bodies";
-  if (o.mode == PictureMode::None && line.out->count() > 0) return "--out has no meaning with --mode none";
+  for (const char* option : {"--out", "--camera", "--overlay", "--quality", "--context"})
+    if (o.mode == PictureMode::None && line.app->count(option) > 0)
+      return std::string(option) + " has no meaning with --mode none";
   for (const std::string& text : line.settings) {
     std::vector<Command> unused;
     if (const std::string reason = parseSetting(text, unused); !reason.empty()) return "--set: " + reason;

@@ -209,10 +209,9 @@ render::DrawOptions drawOptions(const Shot& shot, render::Quality quality) {
 }
 
 FloorView::FloorView(render::Renderer& renderer, const scenes::Scene& scene) : renderer_(renderer) {
-  const render::Vec3 middle{0.0f, static_cast<float>(scene.floor.height), 0.0f};
   const float extent = kFloorSizes * static_cast<float>(scene.view.box.diagonal().norm());
   const render::RigidShape rigid =
-      render::makeRigid(render::makeFloor(middle, static_cast<float>(scene.floor.halfSize), extent));
+      render::makeRigid(render::makeFloor({}, static_cast<float>(scene.floorHalfSize), extent));
   scale_ = rigid.reach;
   shape_ = renderer_.addShape(rigid.shape);
   instance_ = renderer_.addInstance(shape_, {kFloorColour, {}});

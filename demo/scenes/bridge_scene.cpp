@@ -100,7 +100,7 @@ void addBanks(Scene& scene) {
 
 SceneResult createBridge(const SceneOptions& options) {
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 8.0, 0.0);
+  addFloor(*scene, 8.0);
   addBanks(*scene);
   if (std::string reason = addDeck(*scene, options); !reason.empty()) return Error{reason};
   const std::shared_ptr<Car> car =

@@ -94,7 +94,7 @@ SceneResult createCloth(const SceneOptions& options) {
 
   auto scene = std::make_unique<Scene>();
   scene->endChecks = {checkFinite, checkAboveFloor};
-  addFloor(*scene, 8.0 + 2.0 * half, 0.0);
+  addFloor(*scene, 8.0 + 2.0 * half);
   Random random(options.seed);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Eigen::Vector3d at(kSpacing * (i % columns) - half, 0.0, kSpacing * (i / columns) - half);

@@ -15,6 +15,8 @@ const Eigen::Vector3f kBracedColour(0.16f, 0.58f, 0.55f);
 /// one has an error of 0.2 or more.
 constexpr double kMaxShapeError = 0.1;
 
+constexpr double kRadius = 0.004;  // m, of each point
+
 Result<SharedNetwork> cube(BraceRule braces) {
   const Result<TriangleMesh> mesh = importMesh(LIMBER_MESH_DIR "/cube.obj");
   if (!mesh) return Error{mesh.error()};
@@ -46,8 +48,8 @@ std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings
   return addBody(scene, network, settings, look);
 }
 
-void addFloorAndView(Scene& scene, double half, double radius) {
-  addFloor(scene, 1.5 * half + 8.0, radius);
+void addFloorAndView(Scene& scene, double half) {
+  addFloor(scene, 1.5 * half + 8.0);
   const Eigen::Vector3d halfView(2.0 * half, 0.0, half);
   scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, 0.5, 0.0));
   scene.view.direction = {0.0, 0.4, 1.0};
@@ -60,6 +62,7 @@ SceneResult createCollapse(const SceneOptions& options) {
   if (!bare || !braced) return Error{bare ? braced.error() : bare.error()};
   auto scene = std::make_unique<Scene>();
   SoftBodySettings settings = SoftBodySettings::paper();
+  settings.pointRadius = kRadius;
   apply(options, settings);
   Random random(options.seed);
   const std::uint32_t count = options.count.value_or(24);
@@ -69,7 +72,7 @@ SceneResult createCollapse(const SceneOptions& options) {
   grid.lowest = 1.5;
   grid.highest = 2.5;
   const double half = 0.5 * grid.spacing * gridColumns(grid.count);
-  addFloorAndView(*scene, half, pointRadius(**bare, settings));
+  addFloorAndView(*scene, half);
   const std::vector<Placement> placements = dropGrid(grid, random);
   for (std::uint32_t i = 0; i < count; ++i) {
     const bool isBraced = i % 2 == 1;

@@ -129,7 +129,7 @@ SceneResult createCurtain(const SceneOptions& options) {
   const std::uint32_t count = options.count.value_or(1);
   const double half = 0.5 * kSpacing * double(count - 1);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0 + half, 0.0);
+  addFloor(*scene, 10.0 + half);
   Random random(options.seed);
   Curtains curtains;
   for (std::uint32_t i = 0; i < count; ++i) {

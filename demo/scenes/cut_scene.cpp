@@ -122,7 +122,7 @@ Check checkCut(const std::shared_ptr<std::size_t>& made) {
 
 SceneResult createCut(const SceneOptions& options) {
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0, 0.0);
+  addFloor(*scene, 10.0);
   if (const std::string reason = addBanner(*scene, options); !reason.empty()) return Error{reason};
   if (const std::string reason = addBlock(*scene, options); !reason.empty()) return Error{reason};
   const auto made = std::make_shared<std::size_t>(0);

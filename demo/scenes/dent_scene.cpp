@@ -107,7 +107,7 @@ SceneResult createDent(const SceneOptions& options) {
       buildMaterialNetwork(boxOfCells({kBlockWidth, kBlockHeight, kBlockWidth}, 0.04), filling);
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0, 0.0);
+  addFloor(*scene, 10.0);
   if (const std::string reason = addBlocks(*scene, *network, options); !reason.empty()) return Error{reason};
   const double above = kBlockHeight + kPressRadius;
   std::vector<btRigidBody*> presses;

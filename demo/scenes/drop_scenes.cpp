@@ -11,6 +11,9 @@
 namespace limber::scenes {
 namespace {
 
+/// Of the points: little is to be seen between a body and the floor.
+constexpr double kRadiusPerSize = 0.004;
+
 /// The dropped shape at its scale.
 struct DroppedShape {
   SharedNetwork network;
@@ -42,7 +45,8 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
   apply(options, settings);
   BodyLook look;
   look.smooth = sharpestBend(*shape.network) < kSmoothBend;
-  addDropFloor(scene, grid, shape.size, shape.radius, pointRadius(*shape.network, settings));
+  settings.pointRadius = kRadiusPerSize * shape.size;
+  addDropFloor(scene, grid, shape.size, shape.radius);
 
   std::size_t index = 0;
   for (const Placement& placement : dropGrid(grid, random)) {

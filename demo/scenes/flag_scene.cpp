@@ -95,7 +95,7 @@ SceneResult createFlag(const SceneOptions& options) {
   const std::uint32_t count = options.count.value_or(2);
   const double half = 0.5 * kFlagSpacing * double(count - 1);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0 + half, 0.0);
+  addFloor(*scene, 10.0 + half);
   for (std::uint32_t i = 0; i < count; ++i)
     if (const std::string reason = addFlag(*scene, *network, options, kFlagSpacing * i - half);
         !reason.empty())

@@ -103,7 +103,7 @@ SceneResult createWobble(const SceneOptions& options) {
   const Result<SharedNetwork> network = filled(pudding(), 350);
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 4.0, 0.0);
+  addFloor(*scene, 4.0);
   BodyLook look;
   look.colour = {0.70f, 0.07f, 0.15f};
   look.finish = Finish::Jelly;
@@ -146,7 +146,7 @@ SceneResult createStiffness(const SceneOptions& options) {
   const Result<SharedNetwork> network = filled(ballOf(kDropRadius, 32), 250);
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 6.0, 0.0);
+  addFloor(*scene, 6.0);
   Random random(options.seed);
   for (std::size_t i = 0; i < kModuli.size(); ++i) {
     BodyLook look;
@@ -193,7 +193,7 @@ SceneResult createBalloon(const SceneOptions& options) {
   const Result<SharedNetwork> network = buildNetwork(ballOf(kBalloonRadius, 32), hollow);
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 4.0, 0.0);
+  addFloor(*scene, 4.0);
   SoftBodySettings settings;
   settings.totalMass = 0.1;
   settings.extensionStiffness = settings.compressionStiffness = 400.0;

@@ -85,7 +85,7 @@ SceneResult createMarble(const SceneOptions& options) {
   const std::uint32_t count = options.count.value_or(2);
   const double half = 0.5 * kSpacing * double(count - 1);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 8.0 + half, 0.0);
+  addFloor(*scene, 8.0 + half);
   Random random(options.seed);
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::string reason = addCube(*scene, *cube, cubeSettings(options), kSpacing * i - half, random);

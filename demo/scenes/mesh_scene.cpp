@@ -87,14 +87,6 @@ Result<std::vector<SoftBodySettings>> settingsOf(const DroppedMesh& mesh, const 
   return all;
 }
 
-/// Returns the height (m) at which the floor is drawn. Points rest a radius above it, as the drawn surfaces
-/// of solids do; ropes are drawn with their radius, and cloths would flicker in a floor at their own height.
-double drawnHeight(const CookedBody& body, const SoftBodySettings& settings) {
-  const double radius = pointRadius(*body.network, settings);
-  if (body.network->kind == NetworkKind::Rope) return 0.0;
-  return body.network->kind == NetworkKind::Cloth ? 0.25 * radius : radius;
-}
-
 /// Fills the scene with copies over the floor. Returns the reason of a failure, or an empty string.
 std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions& options) {
   Result<std::vector<SoftBodySettings>> settings = settingsOf(mesh, options);
@@ -102,8 +94,7 @@ std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions
   Random random(options.seed);
   const DropGridSettings grid =
       dropGridOf(options.count.value_or(usualCount(mesh.cooked)), mesh.size, mesh.radius);
-  addDropFloor(scene, grid, mesh.size, mesh.radius,
-               drawnHeight(mesh.cooked.bodies.front(), settings->front()));
+  addDropFloor(scene, grid, mesh.size, mesh.radius);
   std::size_t index = 0;
   for (const Placement& placement : dropGrid(grid, random)) {
     BodyLook look;

@@ -10,7 +10,7 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kSize = 0.5;          // m, of a body
-constexpr double kRadius = 0.01;       // m, of its points
+constexpr double kRadius = 0.004;      // m, of its points
 constexpr std::uint32_t kColumns = 3;  // along x and z
 constexpr double kSpacing = 0.9;       // m: neighbours do not touch at first, whatever their rotation
 constexpr double kHalf = 0.5 * kColumns * kSpacing;  // m, of the bin's inside
@@ -89,7 +89,7 @@ SceneResult createPile(const SceneOptions& options) {
   const Result<std::vector<Kind>> kinds = readKinds();
   if (!kinds) return Error{kinds.error()};
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0, kRadius);
+  addFloor(*scene, 10.0);
   addBin(*scene);
   Random random(options.seed);
   SoftBodySettings settings = settingsOf(options);

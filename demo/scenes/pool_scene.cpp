@@ -80,7 +80,7 @@ SceneResult createPool(const SceneOptions& options) {
   const Result<SharedNetwork> network = readNetwork(LIMBER_MESH_DIR "/cube.obj");
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 12.0, 0.0);
+  addFloor(*scene, 12.0);
   addBasin(*scene);
   if (const std::string reason = addFloats(*scene, *network, options); !reason.empty()) return Error{reason};
   Water water;

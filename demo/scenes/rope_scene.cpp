@@ -76,7 +76,7 @@ SceneResult createRope(const SceneOptions& options) {
   const std::uint32_t count = options.count.value_or(5);
   const Eigen::Vector3d half = boxHalfExtents(count);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 8.0 + half.z(), 0.0);
+  addFloor(*scene, 8.0 + half.z());
   addBox(*scene, half);
   Random random(options.seed);
   SoftBodySettings settings = ropeSettings(options);
@@ -89,7 +89,7 @@ SceneResult createRope(const SceneOptions& options) {
   }
   scene->view.box =
       Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0.1, -half.z()), Eigen::Vector3d(0.8, 1.7, half.z()));
-  scene->view.direction = {0.38, 0.4, 1.0};
+  scene->view.direction = {0.9, 0.55, 0.8};
   scene->endChecks = {checkFinite, checkAboveFloor, checkCalm(0.05), checkStretch(0.05),
                       checkHangsOver(half)};
   return scene;

@@ -120,18 +120,19 @@ void add(TickProfile& sum, const TickProfile& step) {
   sum.springSubsteps += step.springSubsteps;
 }
 
-void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction) {
+void addFloor(Scene& scene, double halfSize, double friction) {
   constexpr double kHalfThickness = 1.0;
-  auto box = std::make_unique<btBoxShape>(toBullet({halfSize, kHalfThickness, halfSize}));
+  constexpr double kBeyond = 10.0;  // what rolls off the grid does not fall
+  const double half = kBeyond * halfSize;
+  auto box = std::make_unique<btBoxShape>(toBullet({half, kHalfThickness, half}));
   btRigidBody& body = addStatic(*scene.world, std::move(box), {0.0, -kHalfThickness, 0.0}, friction);
   body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_DISABLE_VISUALIZE_OBJECT);
-  scene.floor = {drawnHeight, halfSize};
+  scene.floorHalfSize = halfSize;
 }
 
-void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, double radius,
-                  double drawnHeight) {
+void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, double radius) {
   const double half = 0.5 * grid.spacing * double(gridColumns(grid.count) - 1) + radius;
-  addFloor(scene, 1.5 * half + 8.0 * size, drawnHeight);
+  addFloor(scene, 1.5 * half + 8.0 * size);
   const Eigen::Vector3d halfView(half - 0.2 * size, 0.0, half - 0.2 * size);
   const double height = grid.count == 1 ? 2.5 * size : 0.9 * size;  // one body is seen from its start on
   scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, height, 0.0));

@@ -138,11 +138,6 @@ struct RigidLook {
   Finish finish = Finish::Rubber;
 };
 
-struct FloorProp {
-  double height = 0.0;     ///< m, as drawn
-  double halfSize = 10.0;  ///< m
-};
-
 /// The view of a picture: a box, seen along -direction.
 struct View {
   Eigen::AlignedBox3d box;
@@ -160,7 +155,7 @@ struct Scene {
 
   std::vector<BodyLook> looks;        ///< #bodies, in the order of soft->body(i)
   std::vector<RigidLook> rigidLooks;  ///< of all rigid bodies except the floor
-  FloorProp floor;
+  double floorHalfSize = 10.0;        ///< m, of the grid on it
   View view;
 
   std::vector<Check> endChecks;    ///< the first failure is reported
@@ -174,12 +169,12 @@ struct Scene {
 
 using SceneResult = Result<std::unique_ptr<Scene>>;
 
-/// Adds the floor: a box with its top at y = 0, drawn at the height `drawnHeight`. Point masses are spheres,
-/// so a resting surface is one radius above the floor; drawing the floor at that height closes the gap.
-void addFloor(Scene& scene, double halfSize, double drawnHeight, double friction = 0.5);
+/// Adds the floor: a box with its top at y = 0. Its grid ends at `halfSize` (m), the box ten times farther.
+/// Point masses are spheres, so a resting surface is one radius above the floor: a small one is not seen.
+void addFloor(Scene& scene, double halfSize, double friction = 0.5);
 
 /// Adds the floor below bodies of this size and radius (m) that fall in a grid, and frames them.
-void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, double radius, double drawnHeight);
+void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, double radius);
 
 /// Adds a body. Returns the reason of a failure, or an empty string.
 std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,

@@ -236,7 +236,7 @@ SceneResult createSkeleton(const SceneOptions& options) {
   const std::uint32_t count = options.count.value_or(1);
   const double half = 0.5 * kDancerSpacing * double(count - 1);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0 + half, 0.0);
+  addFloor(*scene, 10.0 + half);
   const auto dancers = std::make_shared<std::vector<Dancer>>(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     Dancer& dancer = (*dancers)[i];

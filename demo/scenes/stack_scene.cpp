@@ -10,7 +10,7 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kEdge = 1.0;          // m
-constexpr double kRadius = 0.02;       // m, of each point
+constexpr double kRadius = 0.004;      // m, of each point
 constexpr double kGap = 2e-3;          // m, at first
 constexpr double kStartOffset = 0.02;  // m, largest initial offset from the axis
 constexpr double kMinDistance = 0.85;  // m between the centres of two cubes: the lowest carries nine others
@@ -51,7 +51,7 @@ SceneResult createStack(const SceneOptions& options) {
   if (!cube) return Error{cube.error()};
   const std::uint32_t count = options.count.value_or(10);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 12.0, kRadius);
+  addFloor(*scene, 12.0);
   Random random(options.seed);
   SoftBodySettings settings = cubeSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {

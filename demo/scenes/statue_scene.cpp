@@ -87,7 +87,7 @@ SceneResult createStatue(const SceneOptions& options) {
   if (!mesh) return Error{mesh.error()};
   place(*mesh);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 6.0, 0.0, 1.0);
+  addFloor(*scene, 6.0, 1.0);
   const Eigen::Vector3d half(kPedestalHalf, 0.5 * kPedestalHeight, kPedestalHalf);
   scene->rigidLooks.push_back(
       {&addStatic(*scene->world, std::make_unique<btBoxShape>(toBullet(half)), {0.0, half.y(), 0.0}, 0.6),

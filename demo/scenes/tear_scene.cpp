@@ -69,7 +69,7 @@ Check checkTorn(const btRigidBody& ball, const std::shared_ptr<std::size_t>& tea
 
 SceneResult createTear(const SceneOptions& options) {
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0, 0.0);
+  addFloor(*scene, 10.0);
   if (const std::string reason = addSheet(*scene, options); !reason.empty()) return Error{reason};
   btRigidBody& ball =
       addBall(*scene, {0.1, kTearBallHeight, 0.15}, kTearBall, kTearBallMass, kTearBallColour);

@@ -11,7 +11,7 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kWidth = 0.8, kBlock = 0.4;            // m, of a block of jelly
-constexpr double kRadius = 0.01;                        // m, of its points
+constexpr double kRadius = 0.004;                       // m, of its points
 constexpr double kPlateHalf = 0.5, kPlateThick = 0.04;  // m, half extents of a plate
 constexpr double kPlateMass = 0.8;                      // kg
 constexpr double kGap = 2e-3;                           // m, at first
@@ -67,7 +67,7 @@ SceneResult createTower(const SceneOptions& options) {
   if (!cube) return Error{cube.error()};
   const std::uint32_t count = options.count.value_or(4);
   auto scene = std::make_unique<Scene>();
-  addFloor(*scene, 10.0, kRadius);
+  addFloor(*scene, 10.0);
   Random random(options.seed);
   SoftBodySettings settings = blockSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {

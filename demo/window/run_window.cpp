@@ -197,7 +197,7 @@ void Play::measure(double seconds) {
 void Play::advance(double seconds) {
   if (!replay_) {
     if (session_->pace().paused) waited_ += seconds * double(scenes::kTicksPerSecond);
-    for (int due = session_->ticksDue(seconds); due > 0; --due) tick();
+    for (int due = session_->ticksDue(seconds); due > 0 && !ends(); --due) tick();
     return;
   }
   const ReplayStep step = replay_->nextFrame(*session_);

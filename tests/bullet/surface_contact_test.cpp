@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 namespace limber {
@@ -236,6 +237,45 @@ TEST(SurfaceContact, softCubesStack) {
       EXPECT_LT(cube.kineticEnergy(), 1e-6) << i;
     }
   }
+}
+
+/// Ten cubes with small gaps fall as one. Each is stopped by the one below it, at 2 m/s in the end, when the
+/// two have moved alike until then. The points are so small that a cube would be through the next one's top
+/// within a tick.
+TEST(SurfaceContact, aFallingStackIsStoppedCubeByCube) {
+  constexpr double kSmall = 4e-3, kGap = 2e-3;
+  for (const bool mixed : {false, true})
+    for (unsigned seed = 0; seed < 4; ++seed) {
+      SCOPED_TRACE(testing::Message() << (mixed ? "every second cube is rigid" : "soft") << ", " << seed);
+      std::mt19937 random(seed);
+      std::uniform_real_distribution<double> any(-1, 1);
+      BulletWorld bullet;
+      bullet.addBoxFloor();
+      SoftBodySystem system(*bullet.world);
+      std::vector<std::function<double()>> heights;
+      for (int i = 0; i < 10; ++i) {
+        const Vector3d at(0.02 * any(random), kSmall + 0.5 + (1.0 + 2.0 * kSmall + kGap) * i,
+                          0.02 * any(random));
+        if (mixed && i % 2 == 1) {
+          btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(at.x(), at.y(), at.z()));
+          heights.emplace_back([box] { return double(box->getWorldTransform().getOrigin().y()); });
+          continue;
+        }
+        SoftBodySettings s = cubeAt(at, 5e3);
+        s.rotation = Eigen::AngleAxisd(0.1 * any(random), Vector3d::UnitY());
+        s.damping = 20.0;
+        s.pointRadius = kSmall;
+        s.friction = 0.7;
+        SoftBody* cube = addAwakeCube(system, s);
+        heights.emplace_back([cube] { return cube->centerOfMass().y(); });
+      }
+      for (int tick = 0; tick < 60; ++tick) {
+        bullet.tick();
+        for (std::size_t i = 1; i < heights.size(); ++i)
+          // the hits compress the cubes by a few per cent, a cube inside the next one is much lower
+          ASSERT_GT(heights[i]() - heights[i - 1](), 0.9) << "cube " << i << " at tick " << tick;
+      }
+    }
 }
 
 TEST(SurfaceContact, twoSoftBodiesKeepTheirMomentaInAHit) {

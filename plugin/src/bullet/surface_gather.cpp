@@ -160,8 +160,12 @@ double margin(const SurfaceCandidate& m) {
   return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
-double smallerFeatures(const SurfaceCandidate& m) {
-  return std::min(featureSize(m.body->surface.moving), featureSize(surfaceB(m)));
+/// Returns the unit of displacementOf(). Surfaces in contact keep apart until other features touch. Other
+/// surfaces must be found before they are through one another.
+double displacementUnit(const SurfaceCandidate& m) {
+  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
+  const double features = std::min(featureSize(a), featureSize(b));
+  return m.end > m.first ? features : std::min(features, (a.radius + b.radius) / kMaxBetweenSearches);
 }
 
 double longestDisplacement(const Points& motion, const Vector3d& common) {
@@ -179,21 +183,8 @@ bool isSearchedWithinTick(const SoftBodyData& body) {
   return body.settings.continuousCollision && !body.prefersImplicit && !hasErrorLimit;
 }
 
-/// Returns whether hits and springs may cause contacts within the tick that were not predicted, and whether
-/// these are to be found.
-bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
-  if (!isSearchedWithinTick(*m.body) || (m.other && !isSearchedWithinTick(*m.other))) return false;
-  const double displacement = displacementOf(m);
-  if (!(displacement > kMaxBetweenSearches)) return false;
-  const MovingSurface& a = boxedSurface(*m.body, tick);
-  if (m.other) boxedSurface(*m.other, tick);
-  const double extraMargin = displacement * smallerFeatures(m);
-  if (isSelf(m)) {
-    findSelfContacts(a, margin(m), s.search, s.contacts, extraMargin);
-    return !s.contacts.empty();
-  }
-  findNearLeaves(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting, s.search.near);
-  return !s.search.near.empty();
+bool areSearchedWithinTick(const SurfaceCandidate& m) {
+  return isSearchedWithinTick(*m.body) && (!m.other || isSearchedWithinTick(*m.other));
 }
 
 /// Fills s.contacts with the contacts of the present surfaces.
@@ -268,7 +259,10 @@ void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contact
               [&](const SurfaceContact& c) { return pointB(m, c, found); });
   m.end = static_cast<std::uint32_t>(found.contacts.size());
   if ((m.partner && !isFree(*m.partner)) || (m.other && m.other->asleep)) return;
-  if (m.end == m.first && !mayTouch(m, tick, s)) return;
+  if (m.end == m.first && !mayTouch(m, tick, s)) {
+    if (!m.held && !isSelf(m) && areSearchedWithinTick(m)) found.waiting.push_back(m);
+    return;
+  }
   if (m.partner) found.add(*m.partner);
   found.candidates.push_back(m);
 }
@@ -361,9 +355,24 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
 double displacementOf(const SurfaceCandidate& m) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
-  const double stopped = m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
+  const double stopped = m.stopped + m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
   return (longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common) + stopped) /
-         smallerFeatures(m);
+         displacementUnit(m);
+}
+
+bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
+  if (!areSearchedWithinTick(m)) return false;
+  const double displacement = displacementOf(m);
+  if (!(displacement > kMaxBetweenSearches)) return false;
+  const MovingSurface& a = boxedSurface(*m.body, tick);
+  if (m.other) boxedSurface(*m.other, tick);
+  const double extraMargin = displacement * displacementUnit(m);
+  if (isSelf(m)) {
+    findSelfContacts(a, margin(m), s.search, s.contacts, extraMargin);
+    return !s.contacts.empty();
+  }
+  findNearLeaves(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting, s.search.near);
+  return !s.search.near.empty();
 }
 
 Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint) {

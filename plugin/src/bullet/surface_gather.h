@@ -18,13 +18,21 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 struct LinkedGroup;
 
-/// Scratch memory of gatherSurfacePairs, kept between calls.
+/// The motions of a rigid body in the tick and of all that may stop it.
+struct RigidMotions {
+  const btRigidBody* body = nullptr;
+  Eigen::AlignedBox3d box;  ///< m
+};
+
+/// Scratch memory of a search, kept between calls.
 struct SurfaceSearch {
   ContactSearch search;
   std::vector<SurfaceContact> contacts;
   std::vector<HeldPiece> pieces;
   std::vector<RigidPart*> parts;
-  std::vector<Contact> pairs;  ///< of findContactsInStep()
+  std::vector<RigidMotions> motions;    ///< of addStoppedPairs()
+  std::vector<std::uint32_t> motionOf;  ///< index in `motions`, by index in the world's list of objects
+  std::vector<Contact> pairs;           ///< of findContactsInStep()
   std::vector<ContactSource> sources;
 };
 
@@ -69,13 +77,23 @@ class HeldPairs {
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                         TickContacts& found);
 
+/// Moves pairs from found.waiting to found.candidates: those whose bodies move together, and of which one may
+/// be stopped in the tick by what it hits, or by a body that is stopped. Call it after all contacts are
+/// found.
+void addStoppedPairs(btDispatcher& dispatcher, TickContacts& found, SurfaceSearch& search);
+
 /// Fraction of the size of a surface's features: the largest relative displacement of surfaces between two
 /// searches.
 constexpr double kMaxBetweenSearches = 0.05;
 
 /// Returns the largest relative displacement of the surfaces in the tick, as a multiple of the size of their
-/// features. It includes the predicted motion and the motion that hits on static and kinematic objects stop.
+/// features. It includes the predicted motion and the motion that hits stop. Without contacts, surfaces may
+/// at most move by the sum of their radii between two searches, which then counts as kMaxBetweenSearches.
 double displacementOf(const SurfaceCandidate& candidate);
+
+/// Returns whether hits and springs may cause contacts within the tick that were not predicted, and whether
+/// these are to be found.
+bool mayTouch(const SurfaceCandidate& candidate, double tick, SurfaceSearch& search);
 
 /// Positions of the two sides of a candidate within a step.
 struct SidePositions {

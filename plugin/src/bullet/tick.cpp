@@ -166,6 +166,7 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
       if (!heldPairs.take(*body, pairs)) gatherMovingPairs(*body, tick, rigidSurfaces, search, pairs);
   });
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
+  searches.with([&](SurfaceSearch& search) { addStoppedPairs(*world->getDispatcher(), pairs, search); });
   filterContacts();
   profile.rigidParts = rigidSurfaces.size();
 }

@@ -159,6 +159,7 @@ void TickContacts::clear(double comingTick) {
   sensed.clear();
   sensedSources.clear();
   candidates.clear();
+  waiting.clear();
   joints.clear();
   jointSources.clear();
 }

@@ -78,6 +78,7 @@ struct SurfaceCandidate {
   const btCollisionObject* held = nullptr;  ///< on side b, if it is static or kinematic
   RigidPart* part = nullptr;                ///< of `partner` or `held`
   std::uint32_t first = 0, end = 0;         ///< range of its contacts
+  double stopped = 0.0;  ///< m in the tick, common motion that hits of other bodies may stop
 };
 
 /// The contacts of one tick in which more than a single soft body moves, the rigid bodies in them and the
@@ -90,6 +91,7 @@ struct TickContacts {
   std::vector<Contact> sensed;               ///< those that are only reported
   std::vector<ContactSource> sensedSources;  ///< #sensed
   std::vector<SurfaceCandidate> candidates;
+  std::vector<SurfaceCandidate> waiting;  ///< those that touch only if another body stops one of the two
   std::vector<JointConstraint> joints;
   std::vector<JointSource> jointSources;  ///< #joints
   double tick = 0.0;                      ///< s

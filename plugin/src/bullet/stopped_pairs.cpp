@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Zlib
+
+// This file finds the pairs of bodies that move together and touch only because something stops one of them:
+// of a falling stack the lowest body hits the floor, and within the same tick the next one hits the lowest.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/surface_gather.h"
+
+#include <cstddef>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+
+/// The motions of bodies, as displacements in the tick. Each body has the box of its own motion and of those
+/// of all that may stop it.
+class Motions {
+ public:
+  Motions(double tick, SurfaceSearch& search)
+      : tick_(tick), rigids_(search.motions), numbers_(search.motionOf) {
+    rigids_.clear();
+  }
+
+  /// Gives each body of the pair its own motion, and that of static and kinematic objects that it touches.
+  void start(const SurfaceCandidate& m) {
+    for (SoftBodyData* body : {m.body, m.other})
+      if (body) startSoft(*body);
+    if (m.partner && !find(*m.partner)) startRigid(*m.partner);
+  }
+
+  /// Adds the motions of what the rigid bodies touch in Bullet.
+  void addManifolds(btDispatcher& dispatcher) {
+    if (rigids_.empty()) return;
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+      const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+      if (manifold.getNumContacts() == 0) continue;
+      addTouched(*manifold.getBody0(), *manifold.getBody1());
+      addTouched(*manifold.getBody1(), *manifold.getBody0());
+    }
+  }
+
+  /// Returns the motions of both bodies of the pair.
+  AlignedBox3d of(const SurfaceCandidate& m) { return m.body->surface.motions.merged(ofOther(m)); }
+
+  /// Lets each body of the pair stop the other. Returns whether a box has grown.
+  bool join(const SurfaceCandidate& m) {
+    const AlignedBox3d all = of(m);
+    AlignedBox3d &a = m.body->surface.motions, &b = ofOther(m);
+    if (a.contains(all) && b.contains(all)) return false;
+    a = b = all;
+    return true;
+  }
+
+ private:
+  void startSoft(SoftBodyData& body) {
+    AlignedBox3d& box = body.surface.motions;
+    box.setEmpty();
+    box.extend(Vector3d(body.surface.motion.rowwise().mean()));
+    for (const PlaneContact& row : body.contacts) box.extend(Vector3d(tick_ * row.surfaceVelocity));
+  }
+
+  void startRigid(const btRigidBody& body) {
+    const auto index = static_cast<std::size_t>(body.getWorldArrayIndex());
+    if (index >= numbers_.size()) numbers_.resize(index + 1);
+    numbers_[index] = static_cast<std::uint32_t>(rigids_.size());
+    rigids_.push_back({&body, AlignedBox3d(Vector3d(tick_ * toEigen(body.getLinearVelocity())))});
+  }
+
+  RigidMotions* find(const btCollisionObject& object) {
+    const auto index = static_cast<std::size_t>(object.getWorldArrayIndex());
+    if (index >= numbers_.size() || numbers_[index] >= rigids_.size()) return nullptr;
+    RigidMotions& motions = rigids_[numbers_[index]];
+    return motions.body == &object ? &motions : nullptr;
+  }
+
+  AlignedBox3d& ofOther(const SurfaceCandidate& m) {
+    return m.other ? m.other->surface.motions : find(*m.partner)->box;
+  }
+
+  void addTouched(const btCollisionObject& object, const btCollisionObject& touched) {
+    if (RigidMotions* motions = find(object))
+      motions->box.extend(
+          Vector3d(tick_ * velocityOf(touched, touched.getWorldTransform().getOrigin(), tick_)));
+  }
+
+  double tick_;
+  std::vector<RigidMotions>& rigids_;
+  std::vector<std::uint32_t>& numbers_;
+};
+
+bool isBetweenMovingBodies(const SurfaceCandidate& m) { return !m.held && m.other != m.body; }
+
+/// Moves the pairs that may touch now to found.candidates. Returns whether there are any.
+bool takeStopped(Motions& motions, TickContacts& found, SurfaceSearch& search) {
+  std::size_t kept = 0;
+  for (SurfaceCandidate& m : found.waiting) {
+    const double range = motions.of(m).diagonal().norm();
+    const bool isNew = range > m.stopped;  // otherwise the answer is that of the last time
+    m.stopped = range;
+    if (isNew && mayTouch(m, found.tick, search)) {
+      if (m.partner) found.add(*m.partner);
+      found.candidates.push_back(m);
+    } else {
+      found.waiting[kept++] = m;
+    }
+  }
+  const bool any = kept < found.waiting.size();
+  found.waiting.resize(kept);
+  return any;
+}
+
+}  // namespace
+
+void addStoppedPairs(btDispatcher& dispatcher, TickContacts& found, SurfaceSearch& search) {
+  if (found.waiting.empty()) return;
+  Motions motions(found.tick, search);
+  for (const SurfaceCandidate& m : found.waiting) motions.start(m);
+  for (const SurfaceCandidate& m : found.candidates)
+    if (isBetweenMovingBodies(m)) motions.start(m);
+  motions.addManifolds(dispatcher);
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (const SurfaceCandidate& m : found.candidates)
+      if (isBetweenMovingBodies(m)) grown = motions.join(m) || grown;
+    grown = takeStopped(motions, found, search) || grown;
+  }
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
