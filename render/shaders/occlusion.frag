@@ -76,7 +76,8 @@ void main() {
   float sum = 0.0;
   for (int slice = 0; slice < OCCLUSION_SLICES; ++slice) {
     float angle = 2.0 * kHalfPi * (float(slice) + turn) / float(OCCLUSION_SLICES);
-    sum += visibility(place, normal, toEye, pixel, reach * vec2(cos(angle), sin(angle)), jitter);
+    float start = fract(jitter + 0.618034 * float(slice));
+    sum += visibility(place, normal, toEye, pixel, reach * vec2(cos(angle), sin(angle)), start);
   }
   result = clamp(sum / float(OCCLUSION_SLICES), 0.0, 1.0);
 }

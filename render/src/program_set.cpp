@@ -212,7 +212,7 @@ const ShaderProgram& ProgramSet::occlusion() {
     occlusion_ = buildProgram(gl_,
                               {{GL_VERTEX_SHADER, {"backdrop.vert"}},
                                {GL_FRAGMENT_SHADER, {"frame.glsl", "studio.glsl", "occlusion.frag"}}},
-                              {"OCCLUSION_SLICES 2", "OCCLUSION_STEPS 6"});
+                              {"OCCLUSION_SLICES 3", "OCCLUSION_STEPS 8"});
   }
   return occlusion_;
 }
