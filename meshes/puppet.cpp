@@ -32,12 +32,12 @@ Field puppetHoles() {
 }  // namespace
 
 TriangleSoup makePuppet() {
-  constexpr int kColumns = 38, kRows = 48;
+  constexpr int kAcross = 38, kDown = 48;
   constexpr double kCell = 0.022, kSnap = 0.3 * kCell;
   const Field plane = halfSpace(Vector3d::Zero(), Vector3d::UnitZ());
   TriangleSoup soup;
-  addSheet(soup, kColumns, kRows, [](double u, double v) {
-    return Vector3d(kColumns * kCell * (u - 0.5), kRows * kCell * v - kCell, 0.0);
+  addSheet(soup, kAcross, kDown, [](double u, double v) {
+    return Vector3d(kAcross * kCell * (u - 0.5), kDown * kCell * v - kCell, 0.0);
   });
   soup = clip(soup, plane, puppetOutline(), kSnap);
   return clip(soup, plane, outside(puppetHoles()), kSnap);

@@ -89,7 +89,6 @@ TEST(SurfaceForces, actAsLongAsThoseOnBodiesOfTheWorld) {
   // steps of none, one and several ticks, with and without a push before each
   const int ticks[] = {1, 3, 0, 2, 0, 0, 1, 4, 1};
   Pushed points(Collision::Points), surface(Collision::Surface);
-  double time = 0;
   for (std::size_t i = 0; i < std::size(ticks); ++i) {
     for (Pushed* pushed : {&points, &surface}) {
       if (i % 3 != 1) pushed->push(1.0 + static_cast<double>(i));
@@ -100,7 +99,6 @@ TEST(SurfaceForces, actAsLongAsThoseOnBodiesOfTheWorld) {
       else
         pushed->bullet.world->stepSimulation(btScalar(0), 10, btScalar(kTick));
     }
-    time += ticks[i];
     // in one of the two, the forces pass through Bullet's floats
     EXPECT_NEAR(surface.momentum(), points.momentum(), 1e-6) << "step " << i;
   }

@@ -6,14 +6,11 @@ void changeSettings(limber::SoftBody* body) {
 #include "snippets/change.inc"
 }
 
-struct Parts {
-  const btCollisionObject *belt, *platform, *terrain, *zone;
-};
-
 bool isIce(int triangle) { return triangle % 2 == 0; }
 
-void filterContacts(limber::SoftBodySystem& soft, const Parts& parts) {
-  const auto [belt, platform, terrain, zone] = parts;
+void filterContacts(limber::SoftBodySystem& soft, const btCollisionObject* belt,
+                    const btCollisionObject* platform, const btCollisionObject* terrain,
+                    const btCollisionObject* zone) {
 #include "snippets/filter.inc"
 }
 

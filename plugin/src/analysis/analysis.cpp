@@ -102,6 +102,7 @@ std::size_t motionsBetween(const SpringNetwork& network, NetworkKind kind) {
   std::size_t motions = 0;
   for (const std::vector<Eigen::Index>& piece : findPieces(network)) {
     std::vector<Eigen::Vector3d> points;
+    points.reserve(piece.size());
     for (const Eigen::Index i : piece) points.push_back(network.restPoints[static_cast<std::size_t>(i)]);
     motions += rigidMotionCount(points, kind);
   }

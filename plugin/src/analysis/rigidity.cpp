@@ -266,6 +266,7 @@ struct Framework {
 std::vector<std::uint32_t> eliminationOrder(const SpringNetwork& network) {
   const auto count = static_cast<int>(network.restPoints.size());
   std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(network.restPoints.size() + 2 * network.springs.size());
   for (int i = 0; i < count; ++i) entries.emplace_back(i, i, 1.0);
   for (const NetworkSpring& s : network.springs) {
     entries.emplace_back(static_cast<int>(s.a), static_cast<int>(s.b), 1.0);

@@ -295,14 +295,10 @@ void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, 
   for (Island& island : islands) appendPlaneContacts(island);
 }
 
-void numberIslands(const AwakeGroups& groups, Islands& islands) {
-  const auto number = [](const std::vector<SoftBodyData*>& bodies) {
-    std::uint32_t smallest = UINT32_MAX;
-    for (const SoftBodyData* body : bodies) smallest = std::min(smallest, body->index);
-    for (SoftBodyData* body : bodies) body->island = static_cast<int>(smallest);
-  };
-  for (const LinkedGroup* group : groups) number(group->bodies);
-  for (const Island& island : islands) number(island.softBodies);
+void numberIsland(const std::vector<SoftBodyData*>& bodies) {
+  std::uint32_t smallest = UINT32_MAX;
+  for (const SoftBodyData* body : bodies) smallest = std::min(smallest, body->index);
+  for (SoftBodyData* body : bodies) body->island = static_cast<int>(smallest);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

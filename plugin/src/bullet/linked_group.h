@@ -201,8 +201,8 @@ void addLinkedRigids(const AwakeGroups& groups, TickContacts& found);
 /// LinkedGroup::inIsland. A group that is coupled to no other moving body is in no island.
 void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, Islands& islands);
 
-/// Sets SoftBodyData::island to the smallest index of the bodies that are stepped together.
-void numberIslands(const AwakeGroups& groups, Islands& islands);
+/// Sets SoftBodyData::island of bodies that are stepped together to their smallest index.
+void numberIsland(const std::vector<SoftBodyData*>& bodies);
 
 /// Steps an island by velocity Verlet with the largest number of substeps that one of its groups needs.
 /// Contacts of surfaces with a large relative displacement are searched for again during the tick. The error

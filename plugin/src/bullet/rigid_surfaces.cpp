@@ -106,6 +106,7 @@ ShapeSurface capsuleSurface(const btCapsuleShape& capsule) {
 ShapeSurface boxSurface(const btBoxShape& box) {
   const btVector3 half = box.getHalfExtentsWithMargin();
   std::vector<btVector3> corners;
+  corners.reserve(8);
   for (int i = 0; i < 8; ++i)
     corners.emplace_back(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(),
                          i & 4 ? half.z() : -half.z());

@@ -201,9 +201,12 @@ std::vector<Overload> overloadsOf(const SoftBodyData& body) {
 
 }  // namespace
 
+bool mayTear(const SoftBodyData& body) {
+  return body.settings.elasticLimit.tear && body.settings.elasticLimit.breakStrain > 0.0;
+}
+
 void tearBody(SoftBodyData& body) {
-  if (body.asleep || !body.settings.elasticLimit.tear || body.settings.elasticLimit.breakStrain <= 0.0)
-    return;
+  if (body.asleep || !mayTear(body)) return;
   std::vector<Overload> overloads = overloadsOf(body);
   if (overloads.empty()) return;
   Tearing tearing(body);
@@ -250,6 +253,7 @@ Result<std::uint32_t> cutBody(SoftBodyData& body, const Cut& cut) {
   if (!body.alive) return notAlive();
   if (!body.inTick || !*body.inTick) return makeCut(body, cut);
   body.cuts.push_back(cut);
+  *body.groupsStale = true;  // the next tick divides bodies
   return std::uint32_t{0};
 }
 

@@ -20,6 +20,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// would get too small a mass.
 Result<void> takeSplit(SoftBodyData& body, const SplitNetwork& split);
 
+/// Returns whether the body tears where its springs are too long.
+bool mayTear(const SoftBodyData& body);
+
 /// Divides points at which springs are longer than ElasticLimit::breakStrain allows, see ElasticLimit::tear.
 /// At the start of a tick, before bodies are read.
 void tearBody(SoftBodyData& body);

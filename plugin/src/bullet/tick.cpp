@@ -57,6 +57,14 @@ void gatherMovingPairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids,
   for (btRigidBody* partner : body.freePartners) gatherPairs(body, *partner, tick, found);
 }
 
+void countWork(const SoftBodyData& body, TickProfile& work) {
+  const auto substeps = static_cast<std::size_t>(body.substeps);
+  work.pointsStepped += pointCount(body);
+  work.substeps += substeps;
+  work.springSubsteps += body.springs.size() * substeps;
+  work.contacts += body.contacts.size();
+}
+
 bool hasLinks(const btCollisionWorld& world) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   for (int i = 0; i < objects.size(); ++i)
@@ -99,13 +107,18 @@ void SoftBodySystem::Impl::WorldStep::updateLiving() {
 }
 
 void SoftBodySystem::Impl::WorldStep::divideBodies() {
+  // whatever divides bodies, or lets them tear, makes the groups stale; most worlds have nothing of the kind
+  if (!groupsStale && !mayDivide) return;
+  mayDivide = false;
   for (Impl* system : systems)
-    for (auto& body : system->bodies) {
-      if (!body->data_->alive) continue;
-      body->data_->tears.clear();
-      body->data_->brokenAnchors.clear();
-      makePendingCuts(*body->data_);
-      tearBody(*body->data_);
+    for (auto& handle : system->bodies) {
+      SoftBodyData& body = *handle->data_;
+      if (!body.alive) continue;
+      body.tears.clear();
+      body.brokenAnchors.clear();
+      makePendingCuts(body);
+      tearBody(body);
+      mayDivide = mayDivide || !body.tears.empty() || mayTear(body);
     }
 }
 
@@ -143,10 +156,19 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
 void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
   const StopWatch watch(profile.readMs);
   readManifolds(*world->getDispatcher());
-  parallel.forEach(awake.size(), [&](std::size_t g) { gatherBodies(*awake[g], tick); });
-  for (SoftBodyData* body : moving) applyFields(*body, double(tick));
+  const bool hasFields = std::any_of(systems.begin(), systems.end(),
+                                     [](const Impl* system) { return !system->surroundings.fields.empty(); });
+  // the boxes depend on the fields, and Bullet's broadphase is for one thread; else one pass is the cheapest
+  const bool boxesLater = hasFields || parallel.isOn();
   bool changed = false;
-  for (LinkedGroup* group : awake) changed = updateBroadphaseBoxes(*group, tick) || changed;
+  parallel.forEach(awake.size(), [&](std::size_t g) {
+    gatherBodies(*awake[g], tick);
+    if (!boxesLater) changed = updateBroadphaseBoxes(*awake[g], tick) || changed;
+  });
+  if (hasFields)
+    for (SoftBodyData* body : moving) applyFields(*body, double(tick));
+  if (boxesLater)
+    for (LinkedGroup* group : awake) changed = updateBroadphaseBoxes(*group, tick) || changed;
   if (changed) collectPartners(*world, this, false);
 }
 
@@ -160,10 +182,11 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
     gatherGroup(*awake[g], tick);
   });
   shareSoftPartners(awake);
-  heldPairs.gather(moving, tick, rigidSurfaces, searches, parallel);
+  if (parallel.isOn()) heldPairs.gather(moving, tick, rigidSurfaces, searches, parallel);
   searches.with([&](SurfaceSearch& search) {
     for (SoftBodyData* body : moving)
-      if (!heldPairs.take(*body, pairs)) gatherMovingPairs(*body, tick, rigidSurfaces, search, pairs);
+      if (!parallel.isOn() || !heldPairs.take(*body, pairs))
+        gatherMovingPairs(*body, tick, rigidSurfaces, search, pairs);
   });
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
   searches.with([&](SurfaceSearch& search) { addStoppedPairs(*world->getDispatcher(), pairs, search); });
@@ -186,7 +209,6 @@ void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {
   links.addJoints(pairs);
   gatherRigidContacts(*world, tick, manifolds, pairs);
   makeIslands(awake, pairs, tick, islands);
-  numberIslands(awake, islands);
 }
 
 void SoftBodySystem::Impl::WorldStep::keepBudgets(btScalar tick) {
@@ -216,28 +238,34 @@ void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
   links.applyImpulses(pairs);
   reportRigidContacts(pairs);
   storeImpulses(moving, pairs);
-  parallel.forEach(awake.size(), [&](std::size_t g) {
-    LinkedGroup& group = *awake[g];
-    reportStepping(group, double(tick));
-    for (SoftBodyData* body : group.bodies) restoreIfUnsound(*body);
-    writeGroupToBullet(group, tick);
+  parallel.inBlocks(awake.size(), [&](std::size_t begin, std::size_t end) {
+    TickProfile work;
+    for (std::size_t g = begin; g < end; ++g) {
+      LinkedGroup& group = *awake[g];
+      reportStepping(group, double(tick));
+      for (SoftBodyData* body : group.bodies) {
+        restoreIfUnsound(*body);
+        countWork(*body, work);
+      }
+      writeGroupToBullet(group, tick);
+      if (!group.inIsland) numberIsland(group.bodies);
+    }
+    const std::lock_guard<std::mutex> guard(lock);
+    addWork(work);
   });
-  countWork();
+  for (const Island& island : islands) numberIsland(island.softBodies);
+  profile.awakeBodies = moving.size();
+  profile.islands = islands.count;
+  profile.contacts += pairs.contacts.size();
   disableDrives(pairs, disabledDrives);
   for (Impl* system : systems) system->surroundings.time += double(tick);
 }
 
-void SoftBodySystem::Impl::WorldStep::countWork() {
-  profile.awakeBodies = moving.size();
-  profile.islands = islands.count;
-  profile.contacts = pairs.contacts.size();
-  for (const SoftBodyData* body : moving) {
-    const auto substeps = static_cast<std::size_t>(body->substeps);
-    profile.pointsStepped += body->model->network->restPoints.size();
-    profile.substeps += substeps;
-    profile.springSubsteps += body->springs.size() * substeps;
-    profile.contacts += body->contacts.size();
-  }
+void SoftBodySystem::Impl::WorldStep::addWork(const TickProfile& work) {
+  profile.pointsStepped += work.pointsStepped;
+  profile.substeps += work.substeps;
+  profile.springSubsteps += work.springSubsteps;
+  profile.contacts += work.contacts;
 }
 
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {

@@ -31,7 +31,7 @@ class Random {
   Eigen::Vector3d inBall() {
     for (;;) {
       const double x = uniform(), y = uniform(), z = uniform();
-      const Eigen::Vector3d v = 2.0 * Eigen::Vector3d(x, y, z) - Eigen::Vector3d::Ones();
+      Eigen::Vector3d v = 2.0 * Eigen::Vector3d(x, y, z) - Eigen::Vector3d::Ones();
       if (v.squaredNorm() <= 1.0) return v;
     }
   }
