@@ -32,7 +32,7 @@ std::string findOnPath(const std::string& program) {
   folders += ':';
   std::size_t start = 0;
   for (std::size_t end = folders.find(':'); end != std::string::npos; end = folders.find(':', start)) {
-    const std::string candidate = folders.substr(start, end - start) + "/" + program;
+    std::string candidate = folders.substr(start, end - start) + "/" + program;
     if (end > start && access(candidate.c_str(), X_OK) == 0) {
       return candidate;
     }
@@ -106,6 +106,7 @@ class SpawnActions {
 pid_t spawn(const std::string& program, const VideoDesc& desc, int input, int messages) {
   std::vector<std::string> arguments = ffmpegArguments(desc);
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) {
     argv.push_back(argument.data());
   }

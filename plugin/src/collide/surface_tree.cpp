@@ -122,6 +122,7 @@ std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<S
   };
   if (elements.empty()) return {};
   std::vector<Vector3d> centres;
+  centres.reserve(elements.size());
   for (const SurfaceElement& e : elements)
     centres.push_back((rest.col(e.corners[0]) + rest.col(e.corners[1]) + rest.col(e.corners[2])) / 3.0);
   std::vector<std::uint32_t> order(elements.size());

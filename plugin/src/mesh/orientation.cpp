@@ -67,6 +67,7 @@ std::vector<bool> facingInward(const std::vector<Vector3d>& points, const std::v
   if (std::none_of(parts.begin(), parts.end(), [](const Component& c) { return c.volume < 0.0; }))
     return std::vector<bool>(triangles.size(), false);
   std::vector<bool> flipped;
+  flipped.reserve(parts.size());
   for (const Component& part : parts)
     flipped.push_back(part.volume != 0.0 && outermostAround(points, part, parts).volume < 0.0);
   std::vector<bool> marked;

@@ -62,6 +62,7 @@ std::vector<double> stiffnessOfPoints(const SpringNetwork& network) {
   }
   addVolumeTerms(network, blocks);
   std::vector<double> stiffness;
+  stiffness.reserve(blocks.size());
   for (const Matrix3d& block : blocks) stiffness.push_back(symmetricValues(block)[2]);
   return stiffness;
 }
@@ -79,6 +80,7 @@ std::vector<double> smallestMasses(const std::vector<double>& masses, const std:
     (added > kAdded ? slow : fast) = middle;
   }
   std::vector<double> smallest;
+  smallest.reserve(stiffness.size());
   for (const double s : stiffness) smallest.push_back(s / fast);
   return smallest;
 }

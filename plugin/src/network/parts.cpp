@@ -58,6 +58,7 @@ Shells findShells(const TriangleMesh& wrapped) {
   for (std::size_t t = 0; t < wrapped.triangles.size(); ++t)
     triangles[pieces.ofTriangle[t]].push_back(wrapped.triangles[t]);
   std::vector<double> volume;
+  volume.reserve(triangles.size());
   for (const std::vector<Triangle>& piece : triangles)
     volume.push_back(signedVolume(wrapped.positions, piece));
   std::vector<std::size_t> order(pieces.count);

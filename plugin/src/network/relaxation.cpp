@@ -371,6 +371,7 @@ void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
   std::vector<SolverBody> bodies;
   for (std::size_t lane = 0; lane < count; ++lane) bodies.push_back(dynamics.stepped(runs[lane]->state));
   std::vector<SolverBody*> lanes;
+  lanes.reserve(count);
   for (SolverBody& body : bodies) lanes.push_back(&body);
   stepLanes(lanes.data(), count, dynamics.scratch, timeOf(dynamics, *runs[0]), runs[0]->substeps,
             dynamics.set);

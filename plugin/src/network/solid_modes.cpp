@@ -57,6 +57,7 @@ ForceBalance::ForceBalance(const std::vector<Vector3d>& nodes, std::vector<std::
   MatrixXd motions = MatrixXd::Zero(3 * static_cast<Index>(nodes.size()), 6);
   for (std::vector<Index>& piece : pieces) {
     std::vector<Vector3d> positions;
+    positions.reserve(piece.size());
     for (const Index node : piece) positions.push_back(nodes[static_cast<std::size_t>(node)]);
     const MatrixXd rigid = rigidMotions(positions);
     for (std::size_t i = 0; i < piece.size(); ++i)

@@ -260,7 +260,7 @@ void updateSide(HeldPiece& sheet, const Vector3d& x) {
 /// that face may be buried, as the sides of flush tiles.
 Path slidingPath(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x,
                  const Vector3d& displacement, double radius) {
-  const Path straight{x, displacement};
+  Path straight{x, displacement};
   if (begin == end || endOfSolid(begin, end) == end) return straight;
   Vector3d normal = Vector3d::Zero();
   double time = kNoImpact;

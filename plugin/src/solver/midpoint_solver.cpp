@@ -165,7 +165,7 @@ void SharedFactor::solve(Points& b, Points& scratch) const {
   for (Eigen::Index i = 0; i < b.cols(); ++i) b.col(i) = scratch.col(factor.place[i]);
 }
 
-std::shared_ptr<const SharedFactor> SharedFactors::get(Sparse matrix) {
+std::shared_ptr<const SharedFactor> SharedFactors::get(const Sparse& matrix) {
   const std::lock_guard<std::mutex> lock(mutex_);
   known_.erase(std::remove_if(known_.begin(), known_.end(), [](const auto& f) { return f.expired(); }),
                known_.end());
@@ -173,7 +173,7 @@ std::shared_ptr<const SharedFactor> SharedFactors::get(Sparse matrix) {
     if (auto factor = known.lock(); factor && equal(factor->matrix, matrix)) return factor;
   auto shared = std::make_shared<SharedFactor>();
   shared->factor = factorise(matrix);
-  shared->matrix = std::move(matrix);
+  shared->matrix = matrix;
   known_.push_back(shared);
   return shared;
 }

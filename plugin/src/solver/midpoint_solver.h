@@ -79,7 +79,7 @@ struct ElasticParts {
 /// Factors that bodies share, each computed once. Allocates for a new matrix. Any thread may call get().
 class SharedFactors {
  public:
-  std::shared_ptr<const SharedFactor> get(Eigen::SparseMatrix<double> matrix);
+  std::shared_ptr<const SharedFactor> get(const Eigen::SparseMatrix<double>& matrix);
 
  private:
   std::mutex mutex_;

@@ -31,7 +31,7 @@ Elements elementsOf(const SpringNetwork& network);
 /// Where a network separates.
 struct SplitRequest {
   /// #elements: neighbours of opposite signs separate; 0 separates from none
-  std::vector<signed char> side;
+  std::vector<int> side;
   /// Returns whether two neighbours of opposite signs, or the ends of a spring, separate; empty: all do.
   std::function<bool(const Eigen::Vector3d& middle)> within;
   /// Returns the place of a point, for `within`.
