@@ -6,6 +6,7 @@
 #include "bullet/bullet_objects.h"
 #include "bullet/surface_gather.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace limber {
@@ -14,6 +15,8 @@ namespace {
 
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
+
+// --- motions -----------------------------------------------------------------------------------------------
 
 /// The motions of bodies, as displacements in the tick. Each body has the box of its own motion and of those
 /// of all that may stop it.
@@ -42,13 +45,14 @@ class Motions {
     }
   }
 
-  /// Returns the motions of both bodies of the pair.
-  AlignedBox3d of(const SurfaceCandidate& m) { return m.body->surface.motions.merged(ofOther(m)); }
+  AlignedBox3d& of(SoftBodyData& body) { return body.surface.motions; }
+  AlignedBox3d& ofOther(const SurfaceCandidate& m) { return m.other ? of(*m.other) : find(*m.partner)->box; }
+  AlignedBox3d ofBoth(const SurfaceCandidate& m) { return of(*m.body).merged(ofOther(m)); }
 
   /// Lets each body of the pair stop the other. Returns whether a box has grown.
   bool join(const SurfaceCandidate& m) {
-    const AlignedBox3d all = of(m);
-    AlignedBox3d &a = m.body->surface.motions, &b = ofOther(m);
+    const AlignedBox3d all = ofBoth(m);
+    AlignedBox3d &a = of(*m.body), &b = ofOther(m);
     if (a.contains(all) && b.contains(all)) return false;
     a = b = all;
     return true;
@@ -76,10 +80,6 @@ class Motions {
     return motions.body == &object ? &motions : nullptr;
   }
 
-  AlignedBox3d& ofOther(const SurfaceCandidate& m) {
-    return m.other ? m.other->surface.motions : find(*m.partner)->box;
-  }
-
   void addTouched(const btCollisionObject& object, const btCollisionObject& touched) {
     if (RigidMotions* motions = find(object))
       motions->box.extend(
@@ -91,16 +91,54 @@ class Motions {
   std::vector<std::uint32_t>& numbers_;
 };
 
+// --- may they meet? ----------------------------------------------------------------------------------------
+
+/// The least and the largest coordinate (m) along a direction.
+struct Extent {
+  double low, high;
+};
+
+Extent extentOf(const AlignedBox3d& box, const Vector3d& direction) {
+  const double middle = direction.dot(box.center()), half = 0.5 * direction.cwiseAbs().dot(box.sizes());
+  return {middle - half, middle + half};
+}
+
+/// Returns the extent of a surface without its radius, while it is displaced within a box.
+Extent extentOf(const MovingSurface& surface, const AlignedBox3d& displacement, const Vector3d& direction) {
+  const Extent moved = extentOf(displacement, direction);
+  Extent all{SweptBox::kEmpty, -SweptBox::kEmpty};
+  for (Eigen::Index i = 0; i < surface.position->cols(); ++i) {
+    const double at = direction.dot(surface.position->col(i));
+    all = {std::min(all.low, at), std::max(all.high, at)};
+  }
+  return {all.low + std::min(0.0, moved.low), all.high + std::max(0.0, moved.high)};
+}
+
+/// Returns whether two surfaces, without their radii, may meet if each moves by a displacement (m) in its
+/// box: whether their extents along 13 directions do. Overlaps of the radii alone are found in the next tick.
+bool mayMeet(const MovingSurface& a, const AlignedBox3d& motionsOfA, const MovingSurface& b,
+             const AlignedBox3d& motionsOfB) {
+  // one of each two opposite ones of the 26 directions to the neighbours of a cell
+  for (int i = 14; i < 27; ++i) {
+    const Vector3d direction = Vector3d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).normalized();
+    const Extent ofA = extentOf(a, motionsOfA, direction), ofB = extentOf(b, motionsOfB, direction);
+    if (ofA.low > ofB.high || ofB.low > ofA.high) return false;
+  }
+  return true;
+}
+
+// --- the pairs ---------------------------------------------------------------------------------------------
+
 bool isBetweenMovingBodies(const SurfaceCandidate& m) { return !m.held && m.other != m.body; }
 
 /// Moves the pairs that may touch now to found.candidates. Returns whether there are any.
 bool takeStopped(Motions& motions, TickContacts& found, SurfaceSearch& search) {
   std::size_t kept = 0;
   for (SurfaceCandidate& m : found.waiting) {
-    const double range = motions.of(m).diagonal().norm();
-    const bool isNew = range > m.stopped;  // otherwise the answer is that of the last time
-    m.stopped = range;
-    if (isNew && mayTouch(m, found.tick, search)) {
+    m.stopped = motions.ofBoth(m).diagonal().norm();
+    const MovingSurface& other = m.other ? m.other->surface.moving : m.part->moving;
+    if (mayMeet(m.body->surface.moving, motions.of(*m.body), other, motions.ofOther(m)) &&
+        mayTouch(m, found.tick, search)) {
       if (m.partner) found.add(*m.partner);
       found.candidates.push_back(m);
     } else {

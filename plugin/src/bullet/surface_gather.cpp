@@ -160,12 +160,8 @@ double margin(const SurfaceCandidate& m) {
   return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
-/// Returns the unit of displacementOf(). Surfaces in contact keep apart until other features touch. Other
-/// surfaces must be found before they are through one another.
-double displacementUnit(const SurfaceCandidate& m) {
-  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
-  const double features = std::min(featureSize(a), featureSize(b));
-  return m.end > m.first ? features : std::min(features, (a.radius + b.radius) / kMaxBetweenSearches);
+double smallerFeatures(const SurfaceCandidate& m) {
+  return std::min(featureSize(m.body->surface.moving), featureSize(surfaceB(m)));
 }
 
 double longestDisplacement(const Points& motion, const Vector3d& common) {
@@ -350,23 +346,30 @@ const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, 
   return s.moving;
 }
 
+/// Returns the largest relative displacement (m) in the tick, by the predicted motion and by hits on static
+/// and kinematic objects.
+double ownDisplacement(const SurfaceCandidate& m) {
+  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
+  const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
+  return longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common) +
+         m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
+}
+
 }  // namespace
 
 double displacementOf(const SurfaceCandidate& m) {
-  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
-  const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
-  const double stopped = m.stopped + m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
-  return (longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common) + stopped) /
-         displacementUnit(m);
+  const double features = smallerFeatures(m), radii = m.body->surface.moving.radius + surfaceB(m).radius;
+  return ownDisplacement(m) / features + m.stopped / std::min(features, radii / kMaxBetweenSearches);
 }
 
 bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   if (!areSearchedWithinTick(m)) return false;
-  const double displacement = displacementOf(m);
-  if (!(displacement > kMaxBetweenSearches)) return false;
+  if (!(displacementOf(m) > kMaxBetweenSearches)) return false;
   const MovingSurface& a = boxedSurface(*m.body, tick);
   if (m.other) boxedSurface(*m.other, tick);
-  const double extraMargin = displacement * displacementUnit(m);
+  // overlaps of the radii alone are found in the next tick
+  const double radii = m.stopped > 0.0 ? m.body->surface.moving.radius + surfaceB(m).radius : 0.0;
+  const double extraMargin = ownDisplacement(m) + m.stopped - radii;
   if (isSelf(m)) {
     findSelfContacts(a, margin(m), s.search, s.contacts, extraMargin);
     return !s.contacts.empty();

@@ -87,8 +87,9 @@ void addStoppedPairs(btDispatcher& dispatcher, TickContacts& found, SurfaceSearc
 constexpr double kMaxBetweenSearches = 0.05;
 
 /// Returns the largest relative displacement of the surfaces in the tick, as a multiple of the size of their
-/// features. It includes the predicted motion and the motion that hits stop. Without contacts, surfaces may
-/// at most move by the sum of their radii between two searches, which then counts as kMaxBetweenSearches.
+/// features. It includes the predicted motion and the motion that hits stop. Of the motion that hits
+/// of other bodies stop, the sum of both radii counts as kMaxBetweenSearches if it is smaller: the surfaces
+/// must be found before they are through one another.
 double displacementOf(const SurfaceCandidate& candidate);
 
 /// Returns whether hits and springs may cause contacts within the tick that were not predicted, and whether

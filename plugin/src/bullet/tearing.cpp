@@ -160,7 +160,7 @@ class Tearing {
   bool part(std::uint32_t point, const Vector3d& normal) {
     parted_ = false;
     if (isFixed(point) || hasParted(point)) return false;
-    std::vector<signed char> sides;
+    std::vector<int> sides;
     int sum = 0;
     for (std::uint32_t k = elements_.firstOf[point]; k < elements_.firstOf[point + 1]; ++k) {
       const std::uint32_t element = elements_.around[k];
