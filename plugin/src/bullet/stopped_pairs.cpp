@@ -120,7 +120,8 @@ bool mayMeet(const MovingSurface& a, const AlignedBox3d& motionsOfA, const Movin
              const AlignedBox3d& motionsOfB) {
   // one of each two opposite ones of the 26 directions to the neighbours of a cell
   for (int i = 14; i < 27; ++i) {
-    const Vector3d direction = Vector3d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).normalized();
+    const Eigen::Vector3i cell(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const Vector3d direction = cell.cast<double>().normalized();
     const Extent ofA = extentOf(a, motionsOfA, direction), ofB = extentOf(b, motionsOfB, direction);
     if (ofA.low > ofB.high || ofB.low > ofA.high) return false;
   }
