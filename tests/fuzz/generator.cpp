@@ -158,7 +158,9 @@ void Writer::rigid(int at) {
   s.set("mass", dice_.decades(0.1, wild() ? 100 : 10));
   s.set("position", freePosition(std::min(shape.radius, 2.0), std::min(shape.radius, 2.0) + 0.05));
   if (!wild() && shape.fixed) s.set("position", Vector3d(0, -0.6, 0));
-  s.set("rotation", randomRotation());
+  const Vector3d rotation = randomRotation();
+  // a tilted terrain would reach into the bodies above it
+  s.set("rotation", !wild() && shape.fixed ? Vector3d(0, rotation.y(), 0) : rotation);
   if (motion != "static") s.set("velocity", dice_.ball(motion == "dynamic" ? 5 : 3));
   if (motion != "static" && dice_.chance(0.4)) s.set("spin", dice_.ball(5));
   // objects on a rotating plane are accelerated without limit, which is correct
