@@ -142,7 +142,7 @@ void runThreads(const Options& options, Results& results) {
 Bench threadsBench() {
   return {"threads",
           "gain of several threads, and the most that more threads could gain",
-          "5 minutes",
+          "13 minutes",
           withEngineKeys({{"repeats", "repeats of each scene", 1, 100}}),
           [](const Options& options) { return namesOf(awakeScenes(options)); },
           &runThreads};
