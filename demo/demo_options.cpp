@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <initializer_list>
 #include <map>
 #include <sstream>
 #include <vector>
@@ -123,26 +124,32 @@ void addWindowOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--picture", w.picture, "write the window as PNG when it closes")->needs(window);
 }
 
+/// Returns an error for the first of the options that was given, or an empty string.
+std::string without(const CommandLine& line, std::initializer_list<const char*> options, const char* reason) {
+  for (const char* option : options)
+    if (line.app->count(option) > 0) return std::string(option) + " has no meaning with " + reason;
+  return {};
+}
+
 /// The same for the options of the window.
 std::string windowConflict(const CommandLine& line) {
   const DemoOptions& o = line.options;
   const bool replay = !o.window.replay.empty();
   if (replay && !o.window.open && o.mode != PictureMode::None)
     return "--replay needs --window, or --mode none to run without one";
-  for (const char* option :
-       {"--scene", "--mesh", "--count", "--stiffness", "--damping", "--mass", "--scale", "--seed", "--feel",
-        "--points", "--set", "--split", "--camera", "--overlay", "--size"})
-    if (replay && line.app->count(option) > 0)
-      return std::string(option) + " has no meaning with --replay: the recording has the scene and the view";
-  for (const char* option : {"--stats", "--seconds", "--fps", "--out", "--context"})
-    if (replay && !o.window.open && line.app->count(option) > 0)
-      return std::string(option) + " has no meaning with --replay and --mode none";
-  if (!o.window.open) return {};
-  for (const char* option : {"--fps", "--out", "--stats", "--context", "--no-video", "--no-preview"})
-    if (line.app->count(option) > 0) return std::string(option) + " has no meaning with --window";
+  std::string reason;
+  if (replay)
+    reason = without(line,
+                     {"--scene", "--mesh", "--count", "--stiffness", "--damping", "--mass", "--scale",
+                      "--seed", "--feel", "--points", "--set", "--split", "--camera", "--overlay", "--size"},
+                     "--replay: the recording has the scene and the view");
+  if (replay && !o.window.open && reason.empty())
+    reason =
+        without(line, {"--stats", "--seconds", "--fps", "--out", "--context"}, "--replay and --mode none");
+  if (!o.window.open || !reason.empty()) return reason;
   if (o.mode == PictureMode::None) return "--mode none has no meaning with --window";
   if (o.camera.path == CameraPath::Orbit) return "--camera orbit has no meaning with --window";
-  return {};
+  return without(line, {"--fps", "--out", "--stats", "--context", "--no-video", "--no-preview"}, "--window");
 }
 
 /// Returns the reason why valid options do not fit together, or an empty string.
@@ -159,9 +166,11 @@ std::string conflict(const CommandLine& line) {
   }
   if (const std::uint32_t bodies = scenes::findScene(o.scene)->bodies; o.sceneOptions.count && bodies > 0)
     return "--count has no meaning in the scene " + o.scene + ", which always has as many bodies";
-  for (const char* option : {"--out", "--camera", "--overlay", "--quality", "--context"})
-    if (o.mode == PictureMode::None && line.app->count(option) > 0)
-      return std::string(option) + " has no meaning with --mode none";
+  if (o.mode == PictureMode::None)
+    if (std::string reason =
+            without(line, {"--out", "--camera", "--overlay", "--quality", "--context"}, "--mode none");
+        !reason.empty())
+      return reason;
   for (const std::string& text : line.settings) {
     std::vector<Command> unused;
     if (const std::string reason = parseSetting(text, unused); !reason.empty()) return "--set: " + reason;

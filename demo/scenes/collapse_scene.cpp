@@ -15,8 +15,6 @@ const Eigen::Vector3f kBracedColour(0.16f, 0.58f, 0.55f);
 /// one has an error of 0.2 or more.
 constexpr double kMaxShapeError = 0.1;
 
-constexpr double kRadius = 0.004;  // m, of each point
-
 Result<SharedNetwork> cube(BraceRule braces) {
   const Result<TriangleMesh> mesh = importMesh(LIMBER_MESH_DIR "/cube.obj");
   if (!mesh) return Error{mesh.error()};
@@ -62,7 +60,7 @@ SceneResult createCollapse(const SceneOptions& options) {
   if (!bare || !braced) return Error{bare ? braced.error() : bare.error()};
   auto scene = std::make_unique<Scene>();
   SoftBodySettings settings = SoftBodySettings::paper();
-  settings.pointRadius = kRadius;
+  settings.pointRadius = kThinRadius;
   apply(options, settings);
   Random random(options.seed);
   const std::uint32_t count = options.count.value_or(24);

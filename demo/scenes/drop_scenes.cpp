@@ -11,9 +11,6 @@
 namespace limber::scenes {
 namespace {
 
-/// Of the points: little is to be seen between a body and the floor.
-constexpr double kRadiusPerSize = 0.004;
-
 /// The dropped shape at its scale.
 struct DroppedShape {
   SharedNetwork network;
@@ -45,7 +42,7 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
   apply(options, settings);
   BodyLook look;
   look.smooth = sharpestBend(*shape.network) < kSmoothBend;
-  settings.pointRadius = kRadiusPerSize * shape.size;
+  settings.pointRadius = kThinRadius * shape.size;
   addDropFloor(scene, grid, shape.size, shape.radius);
 
   std::size_t index = 0;

@@ -11,7 +11,6 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kEdge = 1.0;       // m, of a cube
-constexpr double kRadius = 0.004;   // m, of its points: little is to be seen between cube and floor
 constexpr double kMarble = 0.06;    // m, radius: far smaller than a face
 constexpr double kMass = 0.05;      // kg, of a marble
 constexpr double kDrop = 0.6;       // m above the cube
@@ -28,7 +27,7 @@ void addMarble(Scene& scene, std::size_t cube, const Eigen::Vector3d& centre, Ra
   const double u = random.between(-kMaxOffset, kMaxOffset), v = random.between(-kMaxOffset, kMaxOffset);
   const bool shot = isShotAt(cube);
   const Eigen::Vector3d from = shot ? Eigen::Vector3d(u, v, 2.0 * kEdge)
-                                    : Eigen::Vector3d(u, 0.5 * kEdge + kRadius + kMarble + kDrop, v);
+                                    : Eigen::Vector3d(u, 0.5 * kEdge + kThinRadius + kMarble + kDrop, v);
   btRigidBody& marble = addBall(scene, centre + from, kMarble, kMass, kMarbleColour);
   marble.setRollingFriction(btScalar(0.02));
   marble.setDamping(0, btScalar(0.5));
@@ -52,7 +51,7 @@ std::string checkMarbles(const Scene& scene) {
       continue;
     }
     if (marble.y() < middleOf(cube).y()) return failure(i, "does not lie on top of its cube");
-    if (gap < -kRestDent || gap > 3.0 * kRadius) return failure(i, "does not rest on a face");
+    if (gap < -kRestDent || gap > 3.0 * kThinRadius) return failure(i, "does not rest on a face");
   }
   return {};
 }
@@ -60,7 +59,7 @@ std::string checkMarbles(const Scene& scene) {
 std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings settings, double x,
                     Random& random) {
   const std::size_t index = scene.looks.size();
-  settings.position = {x, 0.5 * kEdge + kRadius, 0.0};
+  settings.position = {x, 0.5 * kEdge + kThinRadius, 0.0};
   settings.rotation = Eigen::AngleAxisd(random.between(-0.2, 0.2), Eigen::Vector3d::UnitY());
   BodyLook look;
   look.colour = paletteColour(index);
@@ -71,7 +70,7 @@ std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings
 
 SoftBodySettings cubeSettings(const SceneOptions& options) {
   SoftBodySettings settings;
-  settings.pointRadius = kRadius;
+  settings.pointRadius = kThinRadius;
   settings.damping = 3.0;
   apply(options, settings);
   return settings;

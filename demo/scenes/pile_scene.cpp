@@ -10,7 +10,6 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kSize = 0.5;          // m, of a body
-constexpr double kRadius = 0.004;      // m, of its points
 constexpr std::uint32_t kColumns = 3;  // along x and z
 constexpr double kSpacing = 0.9;       // m: neighbours do not touch at first, whatever their rotation
 constexpr double kHalf = 0.5 * kColumns * kSpacing;  // m, of the bin's inside
@@ -63,7 +62,7 @@ SoftBodySettings settingsOf(const SceneOptions& options) {
   settings.scale.setConstant(kSize);
   settings.totalMass = 0.5;
   settings.damping = 3.0;
-  settings.pointRadius = kRadius;
+  settings.pointRadius = kThinRadius;
   apply(options, settings);
   return settings;
 }

@@ -169,8 +169,11 @@ struct Scene {
 
 using SceneResult = Result<std::unique_ptr<Scene>>;
 
+/// Radius (m) of points of bodies about 1 m large: little is to be seen between a body and the floor.
+constexpr double kThinRadius = 0.004;
+
 /// Adds the floor: a box with its top at y = 0. Its grid ends at `halfSize` (m), the box ten times farther.
-/// Point masses are spheres, so a resting surface is one radius above the floor: a small one is not seen.
+/// Point masses are spheres, so a resting surface is one radius above the floor: see kThinRadius.
 void addFloor(Scene& scene, double halfSize, double friction = 0.5);
 
 /// Adds the floor below bodies of this size and radius (m) that fall in a grid, and frames them.

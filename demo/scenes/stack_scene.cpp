@@ -10,7 +10,6 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kEdge = 1.0;          // m
-constexpr double kRadius = 0.004;      // m, of each point
 constexpr double kGap = 2e-3;          // m, at first
 constexpr double kStartOffset = 0.02;  // m, largest initial offset from the axis
 constexpr double kMinDistance = 0.85;  // m between the centres of two cubes: the lowest carries nine others
@@ -38,7 +37,7 @@ SoftBodySettings cubeSettings(const SceneOptions& options) {
   // sway for minutes
   settings.extensionStiffness = settings.compressionStiffness = 5000.0;
   settings.damping = 20.0;
-  settings.pointRadius = kRadius;
+  settings.pointRadius = kThinRadius;
   settings.friction = 0.7;
   apply(options, settings);
   return settings;
@@ -55,7 +54,7 @@ SceneResult createStack(const SceneOptions& options) {
   Random random(options.seed);
   SoftBodySettings settings = cubeSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const double height = kRadius + 0.5 * kEdge + (kEdge + 2.0 * kRadius + kGap) * i;
+    const double height = kThinRadius + 0.5 * kEdge + (kEdge + 2.0 * kThinRadius + kGap) * i;
     settings.position = {random.between(-kStartOffset, kStartOffset), height,
                          random.between(-kStartOffset, kStartOffset)};
     settings.rotation = Eigen::AngleAxisd(random.between(-0.1, 0.1), Eigen::Vector3d::UnitY());

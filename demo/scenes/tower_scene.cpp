@@ -11,11 +11,10 @@ namespace limber::scenes {
 namespace {
 
 constexpr double kWidth = 0.8, kBlock = 0.4;            // m, of a block of jelly
-constexpr double kRadius = 0.004;                       // m, of its points
 constexpr double kPlateHalf = 0.5, kPlateThick = 0.04;  // m, half extents of a plate
 constexpr double kPlateMass = 0.8;                      // kg
 constexpr double kGap = 2e-3;                           // m, at first
-constexpr double kFloorHeight = kBlock + 2.0 * kPlateThick + 2.0 * (kRadius + kGap);  // m, of a storey
+constexpr double kFloorHeight = kBlock + 2.0 * kPlateThick + 2.0 * (kThinRadius + kGap);  // m, of a storey
 constexpr std::int64_t kNudgeTick = 4 * kTicksPerSecond;
 constexpr double kNudge = 0.4;               // N s, at the topmost plate
 constexpr double kMaxOffset = 0.2;           // m, largest final offset from the lowest block
@@ -46,7 +45,7 @@ SoftBodySettings blockSettings(const SceneOptions& options) {
   settings.totalMass = 0.6;
   settings.extensionStiffness = settings.compressionStiffness = 5000.0;
   settings.damping = 20.0;
-  settings.pointRadius = kRadius;
+  settings.pointRadius = kThinRadius;
   settings.friction = 0.8;
   apply(options, settings);
   return settings;
@@ -72,14 +71,14 @@ SceneResult createTower(const SceneOptions& options) {
   SoftBodySettings settings = blockSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {
     const double base = kFloorHeight * i;
-    settings.position = {0.0, base + kRadius + 0.5 * kBlock, 0.0};
+    settings.position = {0.0, base + kThinRadius + 0.5 * kBlock, 0.0};
     settings.rotation = Eigen::AngleAxisd(random.between(-0.2, 0.2), Eigen::Vector3d::UnitY());
     BodyLook look;
     look.colour = paletteColour(i);
     look.finish = Finish::Jelly;
     const std::string reason = addBody(*scene, *cube, settings, look);
     if (!reason.empty()) return Error{reason};
-    addBox(*scene, {0.0, base + 2.0 * kRadius + kBlock + kGap + kPlateThick, 0.0},
+    addBox(*scene, {0.0, base + 2.0 * kThinRadius + kBlock + kGap + kPlateThick, 0.0},
            {kPlateHalf, kPlateThick, kPlateHalf}, kPlateMass, kPlateColour);
   }
   scene->beforeTick = nudgeTop;

@@ -151,7 +151,7 @@ struct SurfaceData {
   SurfaceBoxes boxes;
   MovingSurface moving;                ///< a view of the above
   double impact = 0.0;                 ///< m in the tick, into static and kinematic objects that stop it
-  Eigen::AlignedBox3d motions;         ///< m in the tick, of this body and all that may stop it
+  Eigen::AlignedBox3d motions;         ///< m in the tick, see addStoppedPairs(); empty before
   bool motionValid = false;            ///< `motion` and `impact` are those of this tick
   bool boxesValid = false;             ///< `boxes` are those of this tick
   std::vector<CachedSearch> searches;  ///< with the objects that were near in the last tick

@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 
 // --- motions -----------------------------------------------------------------------------------------------
 
-/// The motions of bodies, as displacements in the tick. Each body has the box of its own motion and of those
-/// of all that may stop it.
+/// The motions of bodies, as displacements (m) in the tick. Each body has the box of its own mean motion and
+/// of those of all that may stop it: what sticks together moves by something between them.
 class Motions {
  public:
   Motions(double tick, SurfaceSearch& search)
@@ -61,7 +61,7 @@ class Motions {
  private:
   void startSoft(SoftBodyData& body) {
     AlignedBox3d& box = body.surface.motions;
-    box.setEmpty();
+    if (!box.isEmpty()) return;
     box.extend(Vector3d(body.surface.motion.rowwise().mean()));
     for (const PlaneContact& row : body.contacts) box.extend(Vector3d(tick_ * row.surfaceVelocity));
   }

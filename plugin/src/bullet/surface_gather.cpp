@@ -40,6 +40,7 @@ const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
     s.moving = {&body.model->topology, &body.state.position, &s.motion, radiusOf(body), &s.boxes};
     s.impact = impactOf(body, tick);
+    s.motions.setEmpty();
     s.motionValid = true;
   }
   return s.moving;

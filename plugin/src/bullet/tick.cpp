@@ -65,6 +65,16 @@ void countWork(const SoftBodyData& body, TickProfile& work) {
   work.contacts += body.contacts.size();
 }
 
+void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work) {
+  reportStepping(group, double(tick));
+  for (SoftBodyData* body : group.bodies) {
+    restoreIfUnsound(*body);
+    countWork(*body, work);
+  }
+  writeGroupToBullet(group, tick);
+  if (!group.inIsland) numberIsland(group.bodies);
+}
+
 bool hasLinks(const btCollisionWorld& world) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   for (int i = 0; i < objects.size(); ++i)
@@ -240,16 +250,7 @@ void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
   storeImpulses(moving, pairs);
   parallel.inBlocks(awake.size(), [&](std::size_t begin, std::size_t end) {
     TickProfile work;
-    for (std::size_t g = begin; g < end; ++g) {
-      LinkedGroup& group = *awake[g];
-      reportStepping(group, double(tick));
-      for (SoftBodyData* body : group.bodies) {
-        restoreIfUnsound(*body);
-        countWork(*body, work);
-      }
-      writeGroupToBullet(group, tick);
-      if (!group.inIsland) numberIsland(group.bodies);
-    }
+    for (std::size_t g = begin; g < end; ++g) writeGroup(*awake[g], tick, work);
     const std::lock_guard<std::mutex> guard(lock);
     addWork(work);
   });
