@@ -198,16 +198,17 @@ constexpr double kKept = 0.8;
 
 /// Least change of the friction of a sliding contact in a sweep, as a share of its limit, towards the
 /// direction against the sliding. The frictions of several contacts of one body may cancel each other and
-/// only use up their cones. Without this minimum, slow sliding would remove them slowly.
+/// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where a friction goes
+/// back against its last change, it has gone too far: its minimum becomes smaller by a factor.
 constexpr double kMinFrictionChange = 0.1;
+constexpr double kAfterReversal = 0.3;
 
 /// m/s, replaces IslandConstraints::tolerance if there are only anchors, which hold to rounding.
 constexpr double kTightTolerance = 1e-10;
 
-/// Number of sweeps in which friction cones follow the normal impulses and friction changes by
-/// kMinFrictionChange. With both, the sweeps may cycle for ever. Without, they converge to the minimum of a
-/// convex energy. But cones that are fixed too early belong to an unfinished solve, which depends on the
-/// order of contacts.
+/// Number of sweeps in which friction cones follow the normal impulses and friction has a least change. With
+/// both, the sweeps may cycle for ever. Without, they converge to the minimum of a convex energy. But cones
+/// that are fixed too early belong to an unfinished solve, which depends on the order of contacts.
 constexpr int kFreeSweeps = 15;
 
 /// Changes the friction to the one that stops the sliding (u, v) (m/s). If that is outside the cone, makes a
@@ -242,8 +243,9 @@ inline void solveContact(IslandConstraints& rows, ContactConstraint& row, Contac
   const double normalChange = sum.n - earlier.n;
   if (free) row.maxFriction = row.friction * sum.n;
   addFriction(row, speeds.u + normalChange * row.acrossAlong[0], speeds.v + normalChange * row.acrossAlong[1],
-              free ? kMinFrictionChange : 0.0, sum);
+              free ? row.minFrictionChange : 0.0, sum);
   const ContactVector change{normalChange, sum.u - earlier.u, sum.v - earlier.v};
+  if (change.u * row.change.u + change.v * row.change.v < 0.0) row.minFrictionChange *= kAfterReversal;
   applyImpulse(rows, row, change);
   row.change = change;
   total = sum;
@@ -340,6 +342,7 @@ struct Solve {
     ContactConstraint& row = rows.rows[i];
     row.active = true;
     row.maxFriction = 0.0;
+    row.minFrictionChange = kMinFrictionChange;
     row.direction = ContactVector();
     row.change = ContactVector();
     rows.active.push_back(i);
