@@ -3,8 +3,8 @@
 
 #include "network/material.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
-#include "network/sparse_blocks.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -2,7 +2,7 @@
 // The volume term of closed surfaces: forces, energy and upper bounds of the frequency of oscillation.
 #include "solver/volumes.h"
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <cmath>
