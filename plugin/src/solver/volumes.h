@@ -4,7 +4,6 @@
 // The volume terms of a body: for its closed surfaces and for its tetrahedra.
 
 #include "solver/point_state.h"
-#include "solver/shared_constants.h"
 #include "solver/verlet_kernel.h"
 
 #include <limber/soft_body_settings.h>
