@@ -299,12 +299,6 @@ double volumeEnergy(const VolumeArrays& v, const Points& position) {
   return energy;
 }
 
-double enclosedVolume(const VolumeArrays& v, const Points& position) {
-  double sum = 0.0;
-  for (std::size_t c = 0; c < v->restVolume.size(); ++c) sum += componentVolume(*v.constants, c, position);
-  return sum;
-}
-
 double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, double tick, double slack) {
   if (v.empty()) return 0.0;
   kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
