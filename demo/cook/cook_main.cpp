@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 #include "cook/cook_options.h"
-#include "cook/run_cook.h"
 
 #include <cstdio>
 #include <exception>

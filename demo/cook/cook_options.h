@@ -6,6 +6,8 @@
 #include <limber/cook.h>
 #include <limber/network_analysis.h>
 #include <limber/network_builder.h>
+#include <limber/result.h>
+#include <limber/spring_network.h>
 
 #include <array>
 #include <cstdint>
@@ -73,5 +75,12 @@ ParsedCookOptions parseCookOptions(int argc, char** argv);
 /// Returns the number of large deformations of each kind for a body of so many points. The time of one grows
 /// with points^1.5 or faster.
 std::uint32_t runsFor(const CookOptions& options, std::size_t points);
+
+/// Makes the body that the options describe. Errors begin with the mesh file's name.
+Result<SharedNetwork> cookBody(const CookOptions& options);
+
+/// Cooks or loads the body, then writes, draws and prints the output chosen by the options. Errors go to the
+/// standard error stream. After any failure, each file is either complete or unchanged.
+ExitCode runCook(const CookOptions& options);
 
 }  // namespace limber::demo

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/run_cook.h"
+#include "cook/cook_options.h"
 
 #include "cook/cook_report.h"
 #include "cook/network_picture.h"
 #include "mesh_reader.h"
 #include "output_files.h"
 #include "progress.h"
-#include "scenes/cooked_mesh.h"
+#include "scenes/networks.h"
 
 #include <limber/mesh.h>
 #include <limber/parallel.h>

@@ -2,7 +2,6 @@
 // Copies of any mesh fall onto a floor.
 
 #include "scenes/arrangement.h"
-#include "scenes/cooked_mesh.h"
 #include "scenes/end_checks.h"
 #include "scenes/networks.h"
 #include "scenes/scene_list.h"

@@ -1,16 +1,106 @@
 // SPDX-License-Identifier: Zlib
+// Collects the figures of a session, and draws them with ImGui.
+
 #include "window/panel.h"
 
 #include "scenes/scene_list.h"
 
 #include <imgui.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <string>
 
 namespace limber::demo {
+
+// --- figures -----------------------------------------------------------------------------------------------
+
+TickSample sampleOf(const scenes::TickTimes& times, const Diagnostics& bodies) {
+  const TickProfile& soft = times.soft;
+  const double parts[kTickParts] = {soft.stepMs, soft.searchMs + soft.islandsMs,
+                                    soft.readMs + soft.chooseMs + soft.writeMs + soft.readBackMs,
+                                    std::max(times.total - soft.totalMs(), 0.0)};
+  TickSample sample;
+  for (std::size_t i = 0; i < kTickParts; ++i) sample.ms[i] = static_cast<float>(parts[i]);
+  sample.totalMs = static_cast<float>(times.total);
+  if (soft.awakeBodies > 0)
+    sample.substeps = static_cast<float>(soft.substeps) / static_cast<float>(soft.awakeBodies);
+  sample.energy = {static_cast<float>(bodies.kinetic), static_cast<float>(bodies.elastic),
+                   static_cast<float>(bodies.potential)};
+  sample.errorMm = static_cast<float>(1e3 * bodies.error);
+  return sample;
+}
+
+void History::add(const TickSample& sample) {
+  samples_.push_back(sample);
+  if (samples_.size() > kLength) samples_.pop_front();
+}
+
+double History::mean(float TickSample::*value) const {
+  const std::size_t count = std::min(samples_.size(), static_cast<std::size_t>(scenes::kTicksPerSecond));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) sum += double(samples_[samples_.size() - 1 - i].*value);
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+// --- labels ------------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr float kLabelMargin = 8.0f;  // pixels
+constexpr ImU32 kLabelText = IM_COL32(25, 28, 34, 255), kLabelBack = IM_COL32(245, 245, 245, 190);
+constexpr ImU32 kStripColour = IM_COL32(205, 209, 214, 255);
+
+void drawLabel(float x, const std::string& text) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  list.AddRectFilled({x, kLabelMargin}, {x + size.x + 8.0f, kLabelMargin + size.y + 6.0f}, kLabelBack, 3.0f);
+  list.AddText({x + 4.0f, kLabelMargin + 3.0f}, kLabelText, text.c_str());
+}
+
+std::string textOf(const char* name, double ms, const bullet_soft::SpringFigures& figures) {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%s, %.2f ms a tick\nstretch %.2f %%, at most %.1f %%\nkinetic %.3g J, springs %.3g J", name,
+                ms, 100.0 * figures.stretch, 100.0 * figures.largest, figures.kinetic, figures.elastic);
+  return text;
+}
+
+/// Hides what is left of an older picture, and says why there is none.
+void drawProblem(const std::string& problem, float low, float high, float bottom) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled({low, 0.0f}, {high, bottom}, kStripColour);
+  const std::string text = problem + ".\nThis half is empty instead of wrong.";
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  list.AddText({0.5f * (low + high - size.x), 0.5f * (bottom - size.y)}, kLabelText, text.c_str());
+}
+
+}  // namespace
+
+void drawSplitLabels(const Session& session, const History& history, const WindowSize& window) {
+  const ViewLayout layout = session.layout(window);
+  if (!layout.split) return;
+  const auto left = static_cast<float>(layout.left), width = static_cast<float>(layout.view.width);
+  const auto right = static_cast<float>(window.width), bottom = static_cast<float>(window.height);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  if (layout.left > 0) list.AddRectFilled({0.0f, 0.0f}, {left, bottom}, kStripColour);
+  if (const std::string problem = session.bulletProblem(); !problem.empty()) {
+    drawProblem(problem, left + width, right, bottom);
+    return drawLabel(left + kLabelMargin, "Limber");
+  }
+  list.AddLine({left + width, 0.0f}, {left + width, bottom}, kLabelText, 2.0f);
+  const bullet_soft::BulletTwin& twin = *session.bulletTwin();
+  if (!session.shows(Layer::Panel)) {
+    drawLabel(left + kLabelMargin, "Limber");
+    return drawLabel(left + width + kLabelMargin, "btSoftBody");
+  }
+  drawLabel(left + kLabelMargin, textOf("Limber", history.meanMs(), twin.figuresOf(session.scene())));
+  drawLabel(left + width + kLabelMargin, textOf("btSoftBody", history.meanTwinMs(), twin.figures()));
+}
+
+// --- the panel ---------------------------------------------------------------------------------------------
+
 namespace {
 
 constexpr float kPanelWidth = 310.0f, kPanelMargin = 8.0f;  // pixels

@@ -68,6 +68,10 @@ std::string lineOf(const RecordedState& state);
 /// Returns the state of the session as it is now.
 RecordedState stateOf(const Session& session, bool end);
 
+/// Returns the command line that opens a window with the scene, settings, layers and camera of this one, and
+/// behind it the tick, so that a screenshot tells how to get there.
+std::string titleOf(const Session& session);
+
 /// Writes lines to a file at once, so that they stay if the program dies.
 class LineFile {
  public:

@@ -3,11 +3,9 @@
 
 #include "output_files.h"
 #include "run_demo.h"
-#include "window/history.h"
 #include "window/panel.h"
-#include "window/split_labels.h"
+#include "window/recording.h"
 #include "window/stage.h"
-#include "window/title.h"
 #include "window/window.h"
 
 #include <limber/render/png_file.h>

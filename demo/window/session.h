@@ -5,9 +5,7 @@
 #include "scenes/scene.h"
 #include "window/command.h"
 #include "window/orbit_camera.h"
-#include "window/pace.h"
 #include "window/picking.h"
-#include "window/view_layout.h"
 
 #include <array>
 #include <cstdint>
@@ -17,6 +15,59 @@
 #include <vector>
 
 namespace limber::demo {
+
+/// How many ticks a frame has, so that a scene runs at the speed of the clock, or slower.
+class Pace {
+ public:
+  bool paused = false;
+  double speed = 1.0;  ///< simulated seconds a second, above 0 to 1
+
+  /// Asks for one tick while paused.
+  void step() { ++steps_; }
+
+  /// Returns the number of ticks of a frame after so many seconds. A machine that is too slow for the speed
+  /// gets few ticks a frame, so that it stays usable.
+  int ticksDue(double seconds);
+
+  /// Returns the position between the last two ticks: 0 to 1.
+  double tickFraction() const { return paused ? 1.0 : remainder_; }
+
+ private:
+  int steps_ = 0;
+  double remainder_ = 1.0;  // ticks
+};
+
+/// Returns the next slower speed, or full speed after the slowest.
+double slowerThan(double speed);
+
+/// Where a window shows the scene: all of it, or with the split two views of one size, right of the panel if
+/// there is space.
+struct ViewLayout {
+  int left = 0;     ///< pixels before the first view
+  WindowSize view;  ///< of each view
+  bool split = false;
+
+  /// Returns the pixel of a view for one of the window.
+  Pixel inFirst(Pixel window) const { return {window.x - left, window.y}; }
+  Pixel inSecond(Pixel window) const { return {window.x - left - view.width, window.y}; }
+  bool isSecond(Pixel window) const { return split && window.x >= left + view.width; }
+};
+
+/// Pixels that the panel takes from the left, in coordinates of the mouse.
+constexpr int kPanelStrip = 326;
+
+/// Returns the layout of a window; `scale` is the number of its pixels for one of the mouse's coordinates.
+inline ViewLayout layoutOf(const WindowSize& window, bool split, bool panel, double scale = 1.0) {
+  constexpr int kNarrow = 3;  // the panel leaves two thirds of the window
+  ViewLayout layout;
+  layout.view = window;
+  layout.split = split;
+  if (!split) return layout;
+  const int strip = static_cast<int>(kPanelStrip * scale);
+  if (panel && window.width >= kNarrow * strip) layout.left = strip;
+  layout.view.width = (window.width - layout.left) / 2;
+  return layout;
+}
 
 /// A scene of the list and its options.
 struct SceneChoice {

@@ -1,33 +1,75 @@
 // SPDX-License-Identifier: Zlib
+// Skins, normals and side vectors of tubes on the CPU.
 #pragma once
 
-#include "cpu_normals.h"
-#include "cpu_skin.h"
-#include "gpu_shape.h"
-#include "instance_table.h"
+#include "limber/render/shape_desc.h"
+#include "limber/render/vec3.h"
+#include "row_threads.h"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace limber::render {
 
-/// Computes skins, normals and side vectors of tubes on the CPU. With a software rasteriser this is several
-/// times faster than its compute shaders, which run on the same processor.
-class CpuPasses {
- public:
-  explicit CpuPasses(unsigned threads) : threads_(threads) {}
+// --- normals and side vectors ------------------------------------------------------------------------------
 
-  /// The number of points, places and normals of a frame. They follow one another in this order.
-  static std::size_t streamedPoints(const FrameLayout& layout);
-  static std::uint32_t firstPlace(const FrameLayout& layout);
-  static std::uint32_t firstNormal(const FrameLayout& layout);
-
-  /// `stream` has streamedPoints() x 3 floats. Reads the points and writes the rest.
-  void compute(const FrameLayout& layout, const ShapeTable& shapes, float* stream);
-
- private:
-  RowThreads threads_;
-  std::vector<Lanes> lanes_;  // These two are scratch memory.
-  std::vector<Vec3> sums_;
+/// The triangles of a mesh on the CPU; vertices at the same point (with a skin: place) are one.
+struct CpuTriangles {
+  std::uint32_t pointCount = 0;
+  std::uint32_t normalCount = 0;
+  std::vector<std::uint32_t> corners;    ///< 3 points for each triangle.
+  std::vector<std::uint32_t> normalsOf;  ///< 3 normals for each triangle; empty: those of the points.
 };
+
+/// Meshes or tubes of one shape; their points and normals are contiguous.
+struct SmoothInstances {
+  std::size_t count = 0;
+  const float* points = nullptr;  ///< count x #points x 3; with a skin the places.
+  float* normals = nullptr;       ///< count x #normals x 3 (of tubes #points); written, never read.
+};
+
+/// Computes the normals that mesh_normals.comp computes. `sums` is scratch memory. A thread has whole
+/// instances.
+void computeMeshNormals(const CpuTriangles& mesh, const SmoothInstances& instances, std::vector<Vec3>& sums,
+                        RowThreads& threads);
+
+/// Computes the side vectors that tube_frames.comp computes.
+void computeTubeFrames(std::uint32_t pointCount, const SmoothInstances& instances);
+
+// --- skins -------------------------------------------------------------------------------------------------
+
+/// Four floats in one register of the processor.
+using Lanes = float __attribute__((vector_size(16)));
+
+/// The weights of a skin for the CPU. Dense: the matrix in blocks of kRows places; a block holds the weights
+/// of point 0 on its places, then those of point 1, and so on. Sparse: as in Skin.
+struct CpuSkin {
+  static constexpr std::size_t kRows = 16;
+  using Column = std::array<Lanes, kRows / 4>;
+
+  std::uint32_t pointCount = 0;
+  std::uint32_t placeCount = 0;  ///< 0: no skin.
+  std::vector<Column> dense;     ///< #blocks x #points; the last block is filled up with zeros.
+  Skin sparse;                   ///< Empty if `dense` is not.
+
+  /// Multiplications for one instance and kRows places.
+  std::size_t operationsPerBlock() const;
+};
+
+CpuSkin makeCpuSkin(const Skin& skin, std::uint32_t pointCount);
+
+/// Instances of one shape; their points and places are contiguous.
+struct SkinnedInstances {
+  std::size_t count = 0;
+  const float* points = nullptr;  ///< count x #points x 3.
+  float* places = nullptr;        ///< count x #places x 3; written, never read.
+};
+
+/// Computes the places of all instances in one pass over the weights, so that a large matrix is read from
+/// memory once and not once for each instance. `lanes` is scratch memory.
+void applySkin(const CpuSkin& skin, const SkinnedInstances& instances, std::vector<Lanes>& lanes,
+               RowThreads& threads);
 
 }  // namespace limber::render

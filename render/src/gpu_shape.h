@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "cpu_normals.h"
-#include "cpu_skin.h"
+#include "cpu_passes.h"
 #include "instance_table.h"
 #include "limber/render/gl_objects.h"
 #include "limber/render/shape_desc.h"

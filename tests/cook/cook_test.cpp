@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // cook(): what becomes of meshes of every kind, and materials of what is not filled with tetrahedra.
 
+#include "support/constants.h"
 #include "support/small_meshes.h"
 
 #include <limber/cook.h>
@@ -14,14 +15,13 @@
 namespace limber {
 namespace {
 
-using small_meshes::joined;
-
 using Eigen::Vector3d;
+using small_meshes::joined;
+using test::kPi;
 
 /// A ball of radius 0.5 about `middle`, without the triangles above `cut`.
 TriangleMesh ball(const Vector3d& middle, double cut = 1.0) {
   constexpr std::uint32_t kRings = 24, kSectors = 48;
-  constexpr double kPi = 3.14159265358979;
   TriangleMesh mesh;
   for (std::uint32_t r = 0; r <= kRings; ++r)
     for (std::uint32_t s = 0; s < kSectors; ++s) {
@@ -47,7 +47,6 @@ TriangleMesh ball(const Vector3d& middle, double cut = 1.0) {
 /// A closed ring of wire.
 TriangleMesh ring(double radius, double wire) {
   constexpr std::uint32_t kRings = 48, kSides = 8;
-  constexpr double kPi = 3.14159265358979;
   TriangleMesh mesh;
   for (std::uint32_t r = 0; r < kRings; ++r)
     for (std::uint32_t s = 0; s < kSides; ++s) {
@@ -64,7 +63,6 @@ TriangleMesh ring(double radius, double wire) {
 /// A tube around an arc of 90 degrees, open at both ends.
 TriangleMesh tube(double length, double radius) {
   constexpr std::uint32_t kRings = 80, kSides = 8;
-  constexpr double kPi = 3.14159265358979;
   const double bend = 2.0 * length / kPi;  // radius of the arc
   TriangleMesh mesh;
   for (std::uint32_t r = 0; r <= kRings; ++r)
@@ -150,7 +148,7 @@ TEST(Cook, aBodyHasTheMassOfItsMesh) {
   const Result<SoftBodySettings> made = withMaterial(cooked(ball(Vector3d::Zero())).bodies[0], rubber, twice);
   ASSERT_TRUE(made) << made.error();
   // a polyhedron of 24 rings has about a percent less than the ball of radius 1
-  EXPECT_NEAR(made->totalMass, rubber.density * 4.0 / 3.0 * 3.14159265, 0.015 * made->totalMass);
+  EXPECT_NEAR(made->totalMass, rubber.density * 4.0 / 3.0 * kPi, 0.015 * made->totalMass);
 }
 
 TEST(Cook, aRingOfWireHasAboutTheChosenNumberOfPoints) {
@@ -276,7 +274,7 @@ TEST(CookMaterial, aRopeHasTheStiffnessOfItsMaterial) {
   const Result<SoftBodySettings> settings = withMaterial(body, Material::rubber());
   ASSERT_TRUE(settings) << settings.error();
   const double segments = static_cast<double>(body.network->restPoints.size() - 1);
-  const double section = 0.25 * 3.14159265 * body.thickness * body.thickness;
+  const double section = 0.25 * kPi * body.thickness * body.thickness;
   EXPECT_NEAR(settings->extensionStiffness / segments, Material::rubber().youngsModulus * section / 2.0,
               0.03 * settings->extensionStiffness / segments);
   EXPECT_EQ(settings->pointRadius, 0.5 * body.thickness);

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // The reference of a material's springs: solids of finite elements, compared with closed forms.
 #include "network/solid_responses.h"
-#include "network/response_fit.h"
 #include "network/solid_modes.h"
 
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "network/material.h"
-#include "network/sparse_blocks.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Tetrahedra that fill closed meshes: shape, surface, volume, components, errors.
 #include "network/tetrahedra.h"
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Constants that a given number of substeps resolves.
-#include "solver/softening.h"
+#include "solver/stepping_choice.h"
 
 #include "mesh/random.h"
-#include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

@@ -37,6 +37,18 @@ VolumeArrays volumesOf(const SharedNetwork& network, double modulus, double pres
   return makeVolumes(*network, settings);
 }
 
+/// Returns the signed volume (m^3) of all components: the work against an ambient pressure of 1 Pa.
+double enclosedVolume(const VolumeArrays& volumes, const Points& position) {
+  VolumeConstants constants = *volumes.constants;
+  constants.modulus = constants.gasPressure = 0.0;
+  constants.ambient = 1.0;
+  VolumeArrays inAir = volumes;
+  inAir.constants = SharedConstants<VolumeConstants>(constants);
+  double sum = volumeEnergy(inAir, position);
+  for (const double rest : constants.restVolume) sum += rest;
+  return sum;
+}
+
 PointState stateOf(const SharedNetwork& network, double noise) {
   PointState state;
   state.resize(static_cast<Eigen::Index>(network->restPoints.size()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "cook/run_cook.h"
+#include "cook/cook_options.h"
 
 #include "import/temporary_folder.h"
 

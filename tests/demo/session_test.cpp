@@ -4,9 +4,8 @@
 
 #include "scene_renderer.h"
 #include "window/controls.h"
-#include "window/pace.h"
+#include "window/recording.h"
 #include "window/run_window.h"
-#include "window/title.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 
 #include "allocation_counter.h"
 #include "computed_points.h"
-#include "cpu_passes.h"
 #include "limber/render/gl_functions.h"
+#include "renderer_parts.h"
 #include "test_scene.h"
 
 namespace limber::render::test {

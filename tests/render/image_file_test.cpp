@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: Zlib
+// Files of pictures, and pictures in other sizes.
+#include "limber/render/image.h"
+
+#include "limber/render/png_file.h"
+#include "limber/render/png_writer_thread.h"
+#include "pixels.h"
+#include "support/file_size_limit.h"
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -6,11 +14,6 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
-
-#include "limber/render/image.h"
-#include "limber/render/png_file.h"
-#include "limber/render/png_writer_thread.h"
-#include "support/file_size_limit.h"
 
 namespace limber::render {
 namespace {
@@ -175,6 +178,29 @@ TEST(ContactSheet, PlacesTilesAndGaps) {
   EXPECT_EQ(sheet.pixel(22, 5)[0], 255) << "the gap";
   EXPECT_EQ(sheet.pixel(60, 18)[0], 255) << "the short row";
   EXPECT_THROW(contactSheet({}, 3), std::runtime_error);
+}
+
+// --- sizes -------------------------------------------------------------------------------------------------
+
+TEST(TextureResample, SameSizeIsACopy) {
+  const std::vector<std::uint8_t> pixels{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+  EXPECT_EQ(resampleToSquare(2, 2, pixels.data(), 2), pixels);
+}
+
+TEST(TextureResample, PlainColourStaysWhateverTheSize) {
+  const std::vector<std::uint8_t> pixels{200, 100, 50, 128, 200, 100, 50, 128, 200, 100, 50, 128};
+  for (const int size : {1, 2, 5, 16}) {
+    const std::vector<std::uint8_t> out = resampleToSquare(3, 1, pixels.data(), size);
+    ASSERT_EQ(out.size(), 4u * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      EXPECT_EQ(out[i], pixels[i % 4]);
+    }
+  }
+}
+
+TEST(TextureResample, BlackAndWhiteMeetInLinearLight) {
+  const std::vector<std::uint8_t> pixels{0, 0, 0, 255, 255, 255, 255, 255};
+  EXPECT_NEAR(resampleToSquare(2, 1, pixels.data(), 1)[0], 188, 1);
 }
 
 }  // namespace

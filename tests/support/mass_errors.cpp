@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "support/mass_errors.h"
 
-#include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "network/masses.h"
 

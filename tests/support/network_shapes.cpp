@@ -2,6 +2,7 @@
 #include "support/network_shapes.h"
 
 #include "mesh/random.h"
+#include "support/constants.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
 
@@ -18,8 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 using limber::Triangle;
-
-constexpr double kPi = 3.14159265358979323846;
+using limber::test::kPi;
 
 void addQuad(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
   mesh.triangles.push_back({a, b, c});

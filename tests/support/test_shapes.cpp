@@ -5,6 +5,7 @@
 #include "meshes/figure.h"
 #include "meshes/round_shapes.h"
 #include "meshes/surface_net.h"
+#include "support/constants.h"
 #include "support/small_meshes.h"
 
 #include <algorithm>
@@ -14,8 +15,7 @@ namespace test_shapes {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kPi = 3.14159265358979323846;
+using limber::test::kPi;
 
 TriangleMesh fromSoup(const shapes::TriangleSoup& soup) {
   TriangleMesh mesh;

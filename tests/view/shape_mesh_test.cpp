@@ -2,6 +2,8 @@
 // Surfaces of collision shapes: closed, facing outward, of the right volume.
 #include <limber/view/shape_mesh.h>
 
+#include "support/constants.h"
+
 #include <limber/render/shape_desc.h>
 
 #include <btBulletDynamicsCommon.h>
@@ -18,7 +20,7 @@
 namespace limber::view {
 namespace {
 
-constexpr double kPi = 3.14159265358979;
+using test::kPi;
 
 Eigen::Vector3d corner(const render::Scenery& mesh, std::size_t i) {
   const std::uint32_t vertex = mesh.shape.triangles[i];

@@ -4,7 +4,6 @@
 
 #include "analysis/analysis.h"
 
-#include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "network/modes.h"

@@ -4,9 +4,9 @@
 
 #include "analysis/analysis.h"
 
-#include "mesh/edges.h"
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
+#include "mesh/surface.h"
 #include "network/modes.h"
 
 #include <Eigen/OrderingMethods>

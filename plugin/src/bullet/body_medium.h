@@ -5,7 +5,6 @@
 #pragma once
 
 #include "solver/medium.h"
-#include "solver/point_drag.h"
 
 #include <limber/bullet_precision.h>
 #include <limber/soft_body_settings.h>

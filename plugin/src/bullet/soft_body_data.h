@@ -17,8 +17,8 @@
 #include "solver/plane_contacts.h"
 #include "solver/point_state.h"
 #include "solver/simd_steps.h"
-#include "solver/softening.h"
 #include "solver/springs.h"
+#include "solver/stepping_choice.h"
 #include "solver/verlet_step.h"
 #include "solver/volumes.h"
 

@@ -3,7 +3,7 @@
 
 // A triangle surface: its topology, its motion during one tick, and the tree of bounding boxes for searches.
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 #include "solver/point_state.h"
 
 #include <limber/result.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "collide/surface.h"
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

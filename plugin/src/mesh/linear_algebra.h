@@ -7,6 +7,7 @@
 #include <Eigen/SparseCore>
 
 #include <functional>
+#include <vector>
 
 namespace limber {
 
@@ -87,6 +88,30 @@ void solveOrdered(const SparseFactor& factor, Rows&& x) {
   for (Eigen::Index j = 0; j < count; ++j) x.row(j) /= factor.diagonal[j];
   for (Eigen::Index j = count; j-- > 0;)
     for (Entry entry(factor.lower, j); entry; ++entry) x.row(j) -= entry.value() * x.row(entry.row());
+}
+
+// Sparse symmetric matrices from blocks of 3 x 3:
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/// Adds the block of points i and j: its lower half on the diagonal, all of it below, nothing above.
+inline void addBlock(Triplets& triplets, Eigen::Index i, Eigen::Index j, const Eigen::Matrix3d& block) {
+  for (Eigen::Index r = 0; r < 3; ++r)
+    for (Eigen::Index c = 0; c < 3; ++c)
+      if (3 * i + r >= 3 * j + c) triplets.emplace_back(3 * i + r, 3 * j + c, block(r, c));
+}
+
+/// Returns the lower triangle of the sum of the blocks, 3 `points` x 3 `points`.
+inline Eigen::SparseMatrix<double> sumOf(const Triplets& triplets, Eigen::Index points) {
+  Eigen::SparseMatrix<double> matrix(3 * points, 3 * points);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  return matrix;
+}
+
+/// Returns the product of a symmetric matrix, of which only the lower triangle is stored, with some columns.
+inline Eigen::MatrixXd symmetricProduct(const Eigen::SparseMatrix<double>& lower,
+                                        const Eigen::MatrixXd& columns) {
+  return lower.selfadjointView<Eigen::Lower>() * columns;
 }
 
 // --- the largest eigenvalue --------------------------------------------------------------------------------

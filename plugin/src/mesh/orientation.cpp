@@ -2,7 +2,6 @@
 // Orients surfaces outward: closed components by their volume, and the patches of open or broken meshes by
 // their shape.
 
-#include "mesh/edges.h"
 #include "mesh/surface.h"
 
 #include <algorithm>

@@ -4,7 +4,6 @@
 
 #include <limber/mesh.h>
 
-#include "mesh/edges.h"
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 

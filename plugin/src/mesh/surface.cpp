@@ -4,10 +4,10 @@
 
 #include "mesh/surface.h"
 
-#include "mesh/edges.h"
-
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <queue>
 #include <utility>
 
 namespace limber {
@@ -83,6 +83,67 @@ SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>
   }
   return components;
 }
+
+std::vector<std::vector<Triangle>> trianglesOfPieces(const TriangleMesh& mesh) {
+  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
+  std::vector<std::vector<Triangle>> triangles(pieces.count);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    triangles[pieces.ofTriangle[t]].push_back(mesh.triangles[t]);
+  return triangles;
+}
+
+TriangleMesh partOf(const TriangleMesh& mesh, std::vector<Triangle> triangles) {
+  TriangleMesh part;
+  part.triangles = std::move(triangles);
+  std::vector<std::uint32_t> newIndex(mesh.positions.size(), kNoPoint);
+  for (Triangle& triangle : part.triangles) {
+    for (std::uint32_t& corner : triangle) {
+      if (newIndex[corner] == kNoPoint) {
+        newIndex[corner] = static_cast<std::uint32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[corner]);
+        if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[corner]);
+        if (!mesh.uvs.empty()) part.uvs.push_back(mesh.uvs[corner]);
+      }
+      corner = newIndex[corner];
+    }
+  }
+  return part;
+}
+
+// --- paths along edges -------------------------------------------------------------------------------------
+
+void connect(Links& links, const std::vector<Vector3d>& points, std::uint32_t a, std::uint32_t b) {
+  const double length = (points[a] - points[b]).norm();
+  links[a].push_back({b, length});
+  links[b].push_back({a, length});
+}
+
+Links edgeLinks(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
+  Links links(points.size());
+  for (const Edge& edge : uniqueEdges(triangles)) connect(links, points, edge[0], edge[1]);
+  return links;
+}
+
+std::vector<double> shortestPaths(const Links& links, std::uint32_t from, double maxLength) {
+  using Arrival = std::pair<double, std::uint32_t>;
+  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front;
+  std::vector<double> length(links.size(), maxLength);
+  length[from] = 0.0;
+  front.push({0.0, from});
+  while (!front.empty()) {
+    const auto [distance, point] = front.top();
+    front.pop();
+    if (distance > length[point]) continue;
+    for (const Link& link : links[point]) {
+      if (distance + link.length >= length[link.to]) continue;
+      length[link.to] = distance + link.length;
+      front.push({length[link.to], link.to});
+    }
+  }
+  return length;
+}
+
+// --- triangles and surfaces --------------------------------------------------------------------------------
 
 std::optional<LineHit> intersectLine(const TriangleCorners& t, const Vector3d& origin,
                                      const Vector3d& direction, double margin) {

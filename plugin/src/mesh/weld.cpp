@@ -4,7 +4,7 @@
 
 #include <limber/mesh.h>
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -2,10 +2,8 @@
 // Wraps any mesh by a closed surface: samples on a grid which places are inside, thickens sheets and fills
 // gaps there, joins far pieces by rods, and extracts the boundary by marching tetrahedra.
 
-#include "mesh/wrap.h"
-
-#include "mesh/edges.h"
 #include "mesh/surface.h"
+
 #include "mesh/triangle_bvh.h"
 
 #include <Eigen/Core>
@@ -57,6 +55,22 @@ void forEachNode(const Vector3i& low, const Vector3i& high, Visit visit) {
       for (int x = low[0]; x <= high[0]; ++x) visit(Vector3i(x, y, z));
 }
 
+/// Nodes along the side of a block that is sampled at its corners alone where no surface is near.
+constexpr int kBlock = 6;
+
+/// Calls visit(lowest node, highest node) for each block.
+template <class Visit>
+void forEachBlock(const Grid& grid, Visit visit) {
+  const Vector3i blocks = (grid.nodes.array() + kBlock - 1) / kBlock;
+  forEachNode(Vector3i::Zero(), blocks.array() - 1, [&](const Vector3i& block) {
+    const Vector3i low = kBlock * block;
+    visit(low, Vector3i((low.array() + kBlock - 1).min(grid.nodes.array() - 1)));
+  });
+}
+
+/// Returns the place of one of the eight corners of a cell, in cells from the lowest one.
+Vector3i cornerOffset(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
+
 /// Triangles that need not share corners.
 struct Soup {
   Points points;
@@ -89,9 +103,6 @@ double solidValue(const Source& source, const Vector3d& p, double distance) {
   return excess < 0.0 ? -size : size;
 }
 
-/// Nodes along the side of a block that is sampled at its corners alone where no surface is near.
-constexpr int kBlock = 6;
-
 /// A winding number whose difference from 1/2 is larger than this at all corners of a block that no triangle
 /// comes near does not cross 1/2 within it.
 constexpr double kClearlyOff = 0.15;
@@ -117,9 +128,7 @@ bool isUniform(const Source& source, const Grid& grid, const Vector3i& low, cons
 /// Returns the value of each node. Values of blocks far from the surface are bounds.
 std::vector<double> sampleSolid(const Source& source, const Grid& grid) {
   std::vector<double> values(grid.size());
-  const Vector3i blocks = (grid.nodes.array() + kBlock - 1) / kBlock;
-  forEachNode(Vector3i::Zero(), blocks.array() - 1, [&](const Vector3i& block) {
-    const Vector3i low = kBlock * block, high = (low.array() + kBlock - 1).min(grid.nodes.array() - 1);
+  forEachBlock(grid, [&](const Vector3i& low, const Vector3i& high) {
     double value = 0.0;
     const bool uniform = isUniform(source, grid, low, high, value);
     forEachNode(low, high, [&](const Vector3i& n) {
@@ -147,9 +156,7 @@ void thicken(const Soup& soup, double thickness, const Grid& grid, std::vector<d
   if (soup.triangles.empty()) return;
   const TriangleBvh bvh(soup.points, soup.triangles);
   const double radius = 0.5 * thickness, far = radius + 2.0 * grid.width;
-  const Vector3i blocks = (grid.nodes.array() + kBlock - 1) / kBlock;
-  forEachNode(Vector3i::Zero(), blocks.array() - 1, [&](const Vector3i& block) {
-    const Vector3i low = kBlock * block, high = (low.array() + kBlock - 1).min(grid.nodes.array() - 1);
+  forEachBlock(grid, [&](const Vector3i& low, const Vector3i& high) {
     const Vector3d a = grid.position(low), b = grid.position(high);
     if (bvh.nearest(0.5 * (a + b)).distance > 0.5 * (b - a).norm() + far) return;
     forEachNode(low, high, [&](const Vector3i& n) {
@@ -249,8 +256,9 @@ class Boundary {
   }
 
  private:
-  static Vector3i offset(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
-  double value(const Vector3i& cell, int corner) const { return values_[grid_.index(cell + offset(corner))]; }
+  double value(const Vector3i& cell, int corner) const {
+    return values_[grid_.index(cell + cornerOffset(corner))];
+  }
 
   bool isCrossed(const Vector3i& cell) const {
     int inside = 0;
@@ -282,13 +290,14 @@ class Boundary {
 
   /// Returns the vertex on the edge from an inside to an outside corner, which all its tetrahedra share.
   std::uint32_t vertexBetween(const Vector3i& cell, int in, int out) {
-    const std::size_t low = grid_.index(cell + offset(in & out));
+    const std::size_t low = grid_.index(cell + cornerOffset(in & out));
     const auto [entry, isNew] = vertexOfEdge_.try_emplace(8 * low + static_cast<std::size_t>(in ^ out), 0u);
     if (isNew) {
       entry->second = static_cast<std::uint32_t>(mesh_.positions.size());
       const double a = value(cell, in), b = value(cell, out);
       const double fraction = std::clamp(a / (a - b), kMinFraction, 1.0 - kMinFraction);
-      const Vector3d from = grid_.position(cell + offset(in)), to = grid_.position(cell + offset(out));
+      const Vector3d from = grid_.position(cell + cornerOffset(in)),
+                     to = grid_.position(cell + cornerOffset(out));
       mesh_.positions.push_back(from + fraction * (to - from));
     }
     return entry->second;
@@ -305,17 +314,12 @@ constexpr double kCrumb = 1e-4;
 
 /// Extracts the surface without small pieces, counts them and measures their volume.
 void extractPieces(const Grid& grid, const std::vector<double>& values, WrappedMesh& wrapped) {
-  TriangleMesh mesh = Boundary(grid, values).extract();
+  const TriangleMesh mesh = Boundary(grid, values).extract();
   wrapped.pieces = wrapped.crumbs = 0;
   wrapped.volume = 0.0;
-  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
-  std::vector<Triangles> parts(pieces.count);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    parts[pieces.ofTriangle[t]].push_back(mesh.triangles[t]);
   const double all = signedVolume(mesh.positions, mesh.triangles);
-  TriangleMesh kept;
-  std::vector<std::uint32_t> newIndex(mesh.positions.size(), kNoPoint);
-  for (const Triangles& part : parts) {
+  Triangles kept;
+  for (const Triangles& part : trianglesOfPieces(mesh)) {
     const double volume = signedVolume(mesh.positions, part);
     if (std::abs(volume) < kCrumb * all) {
       ++wrapped.crumbs;
@@ -323,18 +327,9 @@ void extractPieces(const Grid& grid, const std::vector<double>& values, WrappedM
     }
     ++wrapped.pieces;
     wrapped.volume += volume;
-    for (Triangle t : part) {
-      for (std::uint32_t& corner : t) {
-        if (newIndex[corner] == kNoPoint) {
-          newIndex[corner] = static_cast<std::uint32_t>(kept.positions.size());
-          kept.positions.push_back(mesh.positions[corner]);
-        }
-        corner = newIndex[corner];
-      }
-      kept.triangles.push_back(t);
-    }
+    kept.insert(kept.end(), part.begin(), part.end());
   }
-  wrapped.mesh = std::move(kept);
+  wrapped.mesh = partOf(mesh, std::move(kept));
 }
 
 // --- thin parts --------------------------------------------------------------------------------------------
@@ -346,7 +341,7 @@ double interpolate(const Grid& grid, const std::vector<double>& values, const Ve
   const Vector3d upper = cells - low.cast<double>();
   double sum = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vector3i offset(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    const Vector3i offset = cornerOffset(corner);
     double weight = 1.0;
     for (int i = 0; i < 3; ++i) weight *= offset[i] ? upper[i] : 1.0 - upper[i];
     sum += weight * values[grid.index(low + offset)];

@@ -3,7 +3,7 @@
 // piece of a body that is being braced.
 #pragma once
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 
 #include <limber/network_builder.h>

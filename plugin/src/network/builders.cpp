@@ -3,7 +3,6 @@
 
 #include <limber/network_builder.h>
 
-#include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "network/bracing.h"
 #include "network/masses.h"

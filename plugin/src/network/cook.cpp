@@ -4,13 +4,10 @@
 
 #include <limber/cook.h>
 
-#include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
-#include "mesh/wrap.h"
 #include "network/material.h"
 #include "network/parts.h"
-#include "network/sheets.h"
 #include "network/tetrahedra.h"
 
 #include <Eigen/Geometry>

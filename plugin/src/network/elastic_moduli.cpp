@@ -3,11 +3,10 @@
 
 #include "network/material.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
-#include "network/sparse_blocks.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -150,15 +149,6 @@ std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
   return strains;
 }
 
-Eigen::Matrix<double, 6, 6> elasticityOf(const std::array<Matrix3d, 6>& strains) {
-  MatrixXd compliance(6, 6);
-  for (int load = 0; load < 6; ++load) {
-    const Matrix3d& s = strains[static_cast<std::size_t>(load)];
-    compliance.col(load) << s(0, 0), s(1, 1), s(2, 2), 2.0 * s(1, 2), 2.0 * s(2, 0), 2.0 * s(0, 1);
-  }
-  return Eigen::PartialPivLU<MatrixXd>(compliance).inverse();
-}
-
 }  // namespace
 
 ElasticModuli measureModuli(const ElasticBody& body) {
@@ -179,7 +169,6 @@ ElasticModuli measureModuli(const ElasticBody& body) {
       std::minmax_element(moduli.youngsModuli.begin(), moduli.youngsModuli.end());
   moduli.isotropy = *smallest / *largest;
   moduli.bulkModulus = 1.0 / (strains[0] + strains[1] + strains[2]).trace();
-  moduli.elasticity = elasticityOf(strains);
   return moduli;
 }
 

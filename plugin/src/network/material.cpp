@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Zlib
 // Builds networks of tetrahedra with the elasticity of a material, and chooses the settings of a body with
-// the requested elasticity.
+// the requested elasticity. Distributes the mass of a body of tetrahedra over its points.
 
 #include <limber/network_builder.h>
 
+#include "mesh/linear_algebra.h"
+#include "mesh/surface.h"
+#include "network/masses.h"
 #include "network/material.h"
 #include "network/tetrahedra.h"
 
+#include <limber/cook.h>
+
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <string>
+#include <numeric>
 #include <utility>
 
 namespace limber {
@@ -24,12 +30,6 @@ double volumeOfTetrahedra(const SpringNetwork& network) {
   double volume = 0.0;
   for (const Tetrahedron& t : network.tetrahedra) volume += volumeOf(network.restPoints, t);
   return volume;
-}
-
-std::string outOfRange(const char* name, double value, const char* rule) {
-  char text[128];
-  std::snprintf(text, sizeof text, "%s is %g, must be %s", name, value, rule);
-  return text;
 }
 
 /// Settings of a body of this network for a Young's modulus of 1 Pa.
@@ -63,13 +63,12 @@ UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
 
 Result<void> validate(const Material& m) {
   if (!std::isfinite(m.youngsModulus) || m.youngsModulus <= 0.0)
-    return Error{outOfRange("youngsModulus", m.youngsModulus, "above 0")};
+    return Error{mustBe("youngsModulus", m.youngsModulus, "above 0")};
   if (!(m.poissonRatio >= 0.25 && m.poissonRatio < 0.5))
-    return Error{outOfRange("poissonRatio", m.poissonRatio, "from 0.25 to below 0.5")};
-  if (!std::isfinite(m.density) || m.density <= 0.0)
-    return Error{outOfRange("density", m.density, "above 0")};
+    return Error{mustBe("poissonRatio", m.poissonRatio, "from 0.25 to below 0.5")};
+  if (!std::isfinite(m.density) || m.density <= 0.0) return Error{mustBe("density", m.density, "above 0")};
   if (m.dampingTime && !(std::isfinite(*m.dampingTime) && *m.dampingTime >= 0.0))
-    return Error{outOfRange("dampingTime", *m.dampingTime, "0 or more")};
+    return Error{mustBe("dampingTime", *m.dampingTime, "0 or more")};
   return {};
 }
 
@@ -95,7 +94,7 @@ Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const Mater
     return going = going && (!settings.progress || settings.progress(what, done));
   };
   if (settings.spacing && !(std::isfinite(*settings.spacing) && *settings.spacing > 0.0))
-    return Error{outOfRange("spacing", *settings.spacing, "above 0")};
+    return Error{mustBe("spacing", *settings.spacing, "above 0")};
   const Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
   if (!reportProgress("tetrahedra", 0.0)) return Error{kEnded};
@@ -128,6 +127,167 @@ Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Materi
   if (Result<void> valid = validate(settings); !valid)
     return Error{"a body of this material: " + valid.error()};
   return settings;
+}
+
+// --- cooked bodies -----------------------------------------------------------------------------------------
+
+namespace {
+
+/// Returns the sum of stiffnessScale times the square of the rest length over the springs that carry tension,
+/// m^2.
+double stiffnessMoment(const SpringNetwork& network, bool structuralOnly) {
+  double sum = 0.0;
+  for (const NetworkSpring& s : network.springs)
+    if (!structuralOnly || s.kind == SpringKind::Structural)
+      sum += s.stiffnessScale * (network.restPoints[s.b] - network.restPoints[s.a]).squaredNorm();
+  return sum;
+}
+
+double areaOf(const SpringNetwork& network) {
+  double area = 0.0;
+  for (const Triangle& t : network.surface)
+    area += areaVector(network.restPoints[t[0]], network.restPoints[t[1]], network.restPoints[t[2]]).norm();
+  return area;
+}
+
+/// Spring constant (N/m) for 1 Pa, and the volume (m^3) of the material, at scale 1.
+struct FormMaterial {
+  double stiffness = 0.0, volume = 0.0;
+};
+
+FormMaterial materialOf(const CookedBody& body) {
+  const SpringNetwork& n = *body.network;
+  if (n.kind == NetworkKind::Rope) {
+    const double section = 0.25 * kPi * body.thickness * body.thickness;
+    double length = 0.0;
+    for (std::size_t i = 1; i < n.restPoints.size(); ++i)
+      length += (n.restPoints[i] - n.restPoints[i - 1]).norm();
+    return {section * static_cast<double>(n.restPoints.size() - 1) / length, section * length};
+  }
+  if (body.thickness > 0.0) {
+    const double area = areaOf(n);
+    return {3.0 * body.thickness * area / stiffnessMoment(n, true), body.thickness * area};
+  }
+  const double volume = std::abs(signedVolume(n.restPoints, n.surface));
+  return {6.0 * volume / stiffnessMoment(n, false), volume};
+}
+
+Result<SoftBodySettings> ofTetrahedra(const CookedBody& body, const Material& material,
+                                      SoftBodySettings settings) {
+  Result<SoftBodySettings> made = withMaterial(*body.network, material, std::move(settings));
+  if (!made || body.volume == 0.0) return made;
+  made->totalMass = material.density * body.volume * std::abs(made->scale.prod());
+  if (Result<void> valid = validate(*made); !valid) return Error{"a body of this material: " + valid.error()};
+  return made;
+}
+
+}  // namespace
+
+Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
+                                      SoftBodySettings settings) {
+  if (!body.network->tetrahedra.empty()) return ofTetrahedra(body, material, std::move(settings));
+  if (Result<void> valid = validate(material); !valid) return Error{valid.error()};
+  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
+  const double volumeScale = std::abs(settings.scale.prod()), lengthScale = std::cbrt(volumeScale);
+  const FormMaterial form = materialOf(body);
+  settings.extensionStiffness = settings.compressionStiffness =
+      lengthScale * form.stiffness * material.youngsModulus;
+  settings.totalMass = material.density * form.volume * volumeScale;
+  if (material.dampingTime) settings.damping = *material.dampingTime * settings.extensionStiffness;
+  if (body.thickness > 0.0 && !settings.pointRadius)
+    settings.pointRadius = 0.5 * lengthScale * body.thickness;
+  if (Result<void> valid = validate(settings); !valid)
+    return Error{"a body of this material: " + valid.error()};
+  return settings;
+}
+
+// --- masses ------------------------------------------------------------------------------------------------
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Mass that is added to the points of the fastest oscillations, as a fraction of the body's.
+constexpr double kAdded = 0.07;
+
+/// Largest mass of a point, as a multiple of the mass of the quarters of its tetrahedra: what the light
+/// points gain must not come from a few heavy ones.
+constexpr double kLargestGrowth = 1.3;
+
+/// The interval in which the bound of stiffness over mass is searched, as a fraction of the largest ratio,
+/// and the halvings of its logarithm.
+constexpr double kSlowest = 1e-9;
+constexpr int kHalvings = 60;
+
+std::vector<double> quartersOfVolumes(const SpringNetwork& network) {
+  std::vector<double> quarters(network.restPoints.size(), 0.0);
+  for (const Tetrahedron& t : network.tetrahedra)
+    for (const std::uint32_t point : t) quarters[point] += volumeOf(network.restPoints, t) / 4.0;
+  return quarters;
+}
+
+/// Adds the stiffness of the volume terms of a material of Poisson's ratio 0.39, whose volume modulus is the
+/// Young's modulus of the springs: K/V g g^T with the volume's gradient g, a third of the area vector of the
+/// opposite face.
+void addVolumeTerms(const SpringNetwork& network, std::vector<Matrix3d>& blocks) {
+  const std::vector<Vector3d>& x = network.restPoints;
+  for (const Tetrahedron& t : network.tetrahedra) {
+    const double factor = 1.0 / (network.stiffnessPerModulus * volumeOf(x, t));
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vector3d &a = x[t[(i + 1) % 4]], &b = x[t[(i + 2) % 4]], &c = x[t[(i + 3) % 4]];
+      const Vector3d gradient = (b - a).cross(c - a) / 6.0;
+      blocks[t[i]] += factor * gradient * gradient.transpose();
+    }
+  }
+}
+
+/// Returns the largest stiffness of each point while its neighbours are held, as a multiple of that of a
+/// spring of stiffnessScale 1.
+std::vector<double> stiffnessOfPoints(const SpringNetwork& network) {
+  std::vector<Matrix3d> blocks(network.restPoints.size(), Matrix3d::Zero());
+  for (const NetworkSpring& s : network.springs) {
+    const Vector3d along = (network.restPoints[s.b] - network.restPoints[s.a]).normalized();
+    for (const std::uint32_t end : {s.a, s.b}) blocks[end] += s.stiffnessScale * along * along.transpose();
+  }
+  addVolumeTerms(network, blocks);
+  std::vector<double> stiffness;
+  stiffness.reserve(blocks.size());
+  for (const Matrix3d& block : blocks) stiffness.push_back(symmetricValues(block)[2]);
+  return stiffness;
+}
+
+/// Returns the smallest masses of the points for the smallest bound of stiffness over mass that adds at most
+/// kAdded to the given masses of sum 1.
+std::vector<double> smallestMasses(const std::vector<double>& masses, const std::vector<double>& stiffness) {
+  double fast = 0.0;
+  for (std::size_t i = 0; i < masses.size(); ++i) fast = std::max(fast, stiffness[i] / masses[i]);
+  double slow = kSlowest * fast;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = std::sqrt(slow * fast);
+    double added = 0.0;
+    for (std::size_t p = 0; p < masses.size(); ++p) added += std::max(0.0, stiffness[p] / middle - masses[p]);
+    (added > kAdded ? slow : fast) = middle;
+  }
+  std::vector<double> smallest;
+  smallest.reserve(stiffness.size());
+  for (const double s : stiffness) smallest.push_back(s / fast);
+  return smallest;
+}
+
+}  // namespace
+
+std::vector<double> materialMasses(const SpringNetwork& network) {
+  std::vector<double> quarters = quartersOfVolumes(network);
+  const double volume = std::accumulate(quarters.begin(), quarters.end(), 0.0);
+  for (double& quarter : quarters) quarter /= volume;
+  MassProgramme programme =
+      massProgramme(network.restPoints, network.surface, solidMoments(network.restPoints, network.surface));
+  programme.minFractions = smallestMasses(quarters, stiffnessOfPoints(network));
+  for (std::size_t i = 0; i < quarters.size(); ++i)
+    programme.maxFractions[i] = std::max(programme.minFractions[i], kLargestGrowth * quarters[i]);
+  programme.desired = std::move(quarters);
+  return matchMoments(programme).fractions;
 }
 
 }  // namespace limber

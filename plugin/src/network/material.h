@@ -55,8 +55,6 @@ struct ElasticModuli {
   double isotropy = 0.0;             ///< the smallest over the largest
   double poissonRatio = 0.0;         ///< mean over the directions
   double bulkModulus = 0.0;          ///< Pa
-  /// Pa, Voigt: xx yy zz yz zx xy, shear strains doubled
-  Eigen::Matrix<double, 6, 6> elasticity = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 /// Applies uniform stresses to the surface, along and across the axes, and solves for the linear

@@ -3,9 +3,9 @@
 
 #include "network/modes.h"
 
-#include "mesh/edges.h"
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

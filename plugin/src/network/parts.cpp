@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: Zlib
-// Splits meshes into parts that become bodies, and wraps parts.
+// Splits meshes into parts that become bodies, and wraps parts. Recognises parts that are sheets or thin
+// tubes, and makes cloths and ropes of them.
 
 #include "network/parts.h"
 
-#include "mesh/edges.h"
+#include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
-#include "mesh/wrap.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 namespace limber {
+
+// --- parts -------------------------------------------------------------------------------------------------
+
 namespace {
 
 /// Largest number of bodies. Meshes of more pieces, such as trees with leaves, are one body.
@@ -25,26 +34,6 @@ constexpr double kMinPartSize = 0.005;
 /// The finest cells, as a share of the thickness that all parts of a wrap get: finer ones show nothing more.
 constexpr double kCellsPerThickness = 14.0;
 
-/// Returns the part of the mesh with the marked triangles, and the vertices that these use.
-TriangleMesh partOf(const TriangleMesh& mesh, const std::vector<char>& marked) {
-  TriangleMesh part;
-  std::vector<std::uint32_t> newIndex(mesh.positions.size(), kNoPoint);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!marked[t]) continue;
-    part.triangles.push_back(mesh.triangles[t]);
-    for (std::uint32_t& corner : part.triangles.back()) {
-      if (newIndex[corner] == kNoPoint) {
-        newIndex[corner] = static_cast<std::uint32_t>(part.positions.size());
-        part.positions.push_back(mesh.positions[corner]);
-        if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[corner]);
-        if (!mesh.uvs.empty()) part.uvs.push_back(mesh.uvs[corner]);
-      }
-      corner = newIndex[corner];
-    }
-  }
-  return part;
-}
-
 /// The pieces of a wrapped mesh that become bodies, the largest first.
 struct Shells {
   std::vector<Triangle> triangles;
@@ -53,15 +42,12 @@ struct Shells {
 };
 
 Shells findShells(const TriangleMesh& wrapped) {
-  const SurfaceComponents pieces = findComponents(wrapped.positions.size(), wrapped.triangles);
-  std::vector<std::vector<Triangle>> triangles(pieces.count);
-  for (std::size_t t = 0; t < wrapped.triangles.size(); ++t)
-    triangles[pieces.ofTriangle[t]].push_back(wrapped.triangles[t]);
+  const std::vector<std::vector<Triangle>> triangles = trianglesOfPieces(wrapped);
   std::vector<double> volume;
   volume.reserve(triangles.size());
   for (const std::vector<Triangle>& piece : triangles)
     volume.push_back(signedVolume(wrapped.positions, piece));
-  std::vector<std::size_t> order(pieces.count);
+  std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return volume[a] > volume[b]; });
@@ -118,10 +104,11 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
     if (shells.bodies > 1 && shells.bodies <= kMaxBodies) {
       const std::vector<std::uint32_t> body = bodyOfTriangles(whole->welded, wrapped->mesh, shells);
       for (std::uint32_t b = 0; b < shells.bodies; ++b) {
-        std::vector<char> marked(mesh.triangles.size(), 0);
-        for (std::size_t t = 0; t < body.size(); ++t) marked[whole->welded.keptTriangles[t]] = body[t] == b;
-        if (std::none_of(marked.begin(), marked.end(), [](char m) { return m != 0; })) continue;
-        Result<Part> part = makePart(partOf(mesh, marked));
+        std::vector<Triangle> triangles;
+        for (std::size_t t = 0; t < body.size(); ++t)
+          if (body[t] == b) triangles.push_back(mesh.triangles[whole->welded.keptTriangles[t]]);
+        if (triangles.empty()) continue;
+        Result<Part> part = makePart(partOf(mesh, std::move(triangles)));
         if (!part) return Error{part.error()};
         parts.push_back(std::move(*part));
       }
@@ -148,6 +135,252 @@ Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, 
   outside.positions = result->mesh.positions;
   outside.triangles = findShells(result->mesh).triangles;
   return weld(outside);
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+// --- sheets ------------------------------------------------------------------------------------------------
+
+/// Square of the border's length over the area: a disc has 12.6, a square 16, half a ball 6.3.
+constexpr double kSheetBorder = 10.0;
+
+/// A mesh is flat if its smallest extent is less than this fraction of its largest one.
+constexpr double kFlat = 0.03;
+
+/// Thickness of a sheet without one, as a fraction of its size.
+constexpr double kSheetThickness = 0.005;
+
+constexpr std::size_t kSheetPoints = 800;
+
+/// Longest edge of a sheet, as a fraction of its size: longer ones cannot fold.
+constexpr double kSheetEdge = 0.1;
+
+/// Fraction of the area of a plate that faces along its normal or against it: for a flat ring of wire it is
+/// 2/3.
+constexpr double kPlateArea = 0.8;
+
+/// Stiffness of the springs between second neighbours, which resist bending, relative to the edges.
+constexpr double kSheetBending = 0.1;
+
+double areaOf(const WeldedMesh& mesh) {
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    area += areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]).norm();
+  return area;
+}
+
+/// Returns the length (m) of the edges of only one triangle.
+double borderLength(const WeldedMesh& mesh) {
+  std::vector<Edge> edges;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  double length = 0.0;
+  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
+    while (last < edges.size() && edges[last] == edges[first]) ++last;
+    if (last - first == 1) length += (mesh.points[edges[first][0]] - mesh.points[edges[first][1]]).norm();
+  }
+  return length;
+}
+
+/// The direction in which the points extend least, and their extent in it, m.
+struct Flatness {
+  Vector3d normal = Vector3d::Zero();
+  double height = 0.0;
+};
+
+Flatness flatnessOf(const std::vector<Vector3d>& points) {
+  Vector3d middle = Vector3d::Zero();
+  for (const Vector3d& p : points) middle += p / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vector3d& p : points) spread += (p - middle) * (p - middle).transpose();
+  Flatness flatness;
+  flatness.normal = symmetricParts3(spread).vectors.col(0);
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const Vector3d& p : points) {
+    low = std::min(low, flatness.normal.dot(p));
+    high = std::max(high, flatness.normal.dot(p));
+  }
+  flatness.height = high - low;
+  return flatness;
+}
+
+/// Returns the mesh without the triangles that do not face along the normal.
+TriangleMesh frontOf(const TriangleMesh& mesh, const Vector3d& normal) {
+  TriangleMesh front = mesh;
+  front.triangles.clear();
+  for (const Triangle& t : mesh.triangles)
+    if (areaVector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]])
+            .normalized()
+            .dot(normal) > 0.5)
+      front.triangles.push_back(t);
+  return front;
+}
+
+double longestEdge(const TriangleMesh& mesh) {
+  double longest = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i)
+      longest = std::max(longest, (mesh.positions[t[i]] - mesh.positions[t[(i + 1) % 3]]).norm());
+  return longest;
+}
+
+/// Divides each triangle into four.
+TriangleMesh divided(const TriangleMesh& mesh) {
+  TriangleMesh finer = mesh;
+  finer.normals.clear();
+  finer.triangles.clear();
+  std::map<Edge, std::uint32_t> middles;
+  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [entry, isNew] = middles.try_emplace(edgeBetween(a, b), 0u);
+    if (!isNew) return entry->second;
+    entry->second = static_cast<std::uint32_t>(finer.positions.size());
+    finer.positions.push_back(0.5 * (mesh.positions[a] + mesh.positions[b]));
+    if (!mesh.uvs.empty()) finer.uvs.push_back(0.5f * (mesh.uvs[a] + mesh.uvs[b]));
+    return entry->second;
+  };
+  for (const Triangle& t : mesh.triangles) {
+    const std::uint32_t ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
+    for (const Triangle& part :
+         {Triangle{t[0], ab, ca}, Triangle{ab, t[1], bc}, Triangle{ca, bc, t[2]}, Triangle{ab, bc, ca}})
+      finer.triangles.push_back(part);
+  }
+  return finer;
+}
+
+/// Divides the triangles until the sheet can fold, but not beyond about half of the points it may have.
+TriangleMesh refined(TriangleMesh mesh, std::size_t limit) {
+  const double size = extent(mesh.positions);
+  while (longestEdge(mesh) > kSheetEdge * size && 4 * mesh.triangles.size() < limit) mesh = divided(mesh);
+  return mesh;
+}
+
+bool isPlate(const WeldedMesh& mesh, const Vector3d& normal) {
+  double area = 0.0, facing = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vector3d vector = areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
+    area += vector.norm();
+    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
+  }
+  return facing > kPlateArea * area;
+}
+
+std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness, std::size_t points) {
+  const Result<WeldedMesh> welded = weld(mesh);
+  if (!welded || welded->report.components != 1) return std::nullopt;
+  const std::size_t limit = points > 0 ? points : kSheetPoints;
+  const Result<TriangleMesh> coarse = welded->points.size() > limit
+                                          ? simplify(mesh, static_cast<std::uint32_t>(limit))
+                                          : Result<TriangleMesh>(refined(mesh, limit));
+  if (!coarse) return std::nullopt;
+  NetworkSettings settings;
+  settings.braces = BraceRule::TwoRing;
+  settings.braceWeight = kSheetBending;
+  const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
+  if (!network) return std::nullopt;
+  auto cloth = std::make_shared<SpringNetwork>(**network);
+  cloth->kind = NetworkKind::Cloth;
+  return CookedBody{std::move(cloth), thickness, 0.0};
+}
+
+}  // namespace
+
+std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
+  if (welded.report.components != 1) return std::nullopt;
+  const double size = extent(welded.points), area = areaOf(welded), border = borderLength(welded);
+  const Flatness flatness = flatnessOf(welded.points);
+  const bool isFlat = flatness.height < kFlat * size && isPlate(welded, flatness.normal);
+  if (isFlat && welded.report.watertight()) {
+    const double thickness = 2.0 * std::abs(signedVolume(welded.points, welded.triangles)) / area;
+    return buildSheet(frontOf(mesh, flatness.normal), thickness, points);
+  }
+  const bool isOpen = border * border > kSheetBorder * area;
+  return isFlat || isOpen ? buildSheet(mesh, kSheetThickness * size, points) : std::nullopt;
+}
+
+// --- ropes -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Length over diameter of a tube that becomes a rope, and its segments: as long as two diameters.
+constexpr double kRopeLength = 25.0, kSegmentLength = 2.0;
+constexpr std::uint32_t kMaxSegments = 200;
+
+/// Largest distance of a section's places from its middle, in radii, besides half a segment: a bend or a
+/// branch has more.
+constexpr double kSectionRadii = 2.5;
+
+std::uint32_t farthest(const std::vector<double>& length) {
+  return static_cast<std::uint32_t>(std::max_element(length.begin(), length.end()) - length.begin());
+}
+
+/// Places on the edges of a tube, and their distances (m) along it from one end.
+struct TubeSamples {
+  std::vector<Vector3d> places;
+  std::vector<double> along;
+};
+
+TubeSamples sampleEdges(const WeldedMesh& mesh, const std::vector<double>& length, double step) {
+  TubeSamples samples;
+  for (const Edge& e : uniqueEdges(mesh.triangles)) {
+    const Vector3d &a = mesh.points[e[0]], &b = mesh.points[e[1]];
+    const int pieces = 1 + static_cast<int>(std::min(1e4, (b - a).norm() / step));
+    for (int i = 0; i <= pieces; ++i) {
+      const double f = static_cast<double>(i) / pieces;
+      samples.places.push_back(a + f * (b - a));
+      samples.along.push_back((1.0 - f) * length[e[0]] + f * length[e[1]]);
+    }
+  }
+  return samples;
+}
+
+/// Returns the middles of the sections at equal distances along the tube; empty if a section is not small and
+/// round enough.
+std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double radius,
+                               std::uint32_t segments) {
+  const double step = length / segments;
+  std::vector<Vector3d> axis(segments + 1, Vector3d::Zero());
+  std::vector<double> count(segments + 1, 0.0);
+  const auto sectionOf = [&](std::size_t i) {
+    return static_cast<std::size_t>(std::min(double(segments), std::round(samples.along[i] / step)));
+  };
+  for (std::size_t i = 0; i < samples.places.size(); ++i) {
+    axis[sectionOf(i)] += samples.places[i];
+    count[sectionOf(i)] += 1.0;
+  }
+  for (std::size_t s = 0; s < axis.size(); ++s) {
+    if (count[s] == 0.0) return {};
+    axis[s] /= count[s];
+  }
+  for (std::size_t i = 0; i < samples.places.size(); ++i)
+    if ((samples.places[i] - axis[sectionOf(i)]).norm() > kSectionRadii * radius + 0.5 * step) return {};
+  return axis;
+}
+
+}  // namespace
+
+std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
+  if (welded.report.components != 1) return std::nullopt;
+  const Links links = edgeLinks(welded.points, welded.triangles);
+  const std::uint32_t end = farthest(shortestPaths(links, welded.triangles[0][0], HUGE_VAL));
+  const std::vector<double> length = shortestPaths(links, end, HUGE_VAL);
+  const double total = length[farthest(length)], radius = areaOf(welded) / (2.0 * kPi * total);
+  if (!(total > 2.0 * kRopeLength * radius)) return std::nullopt;
+  RopeSettings settings;
+  settings.length = total;
+  settings.segments = static_cast<std::uint32_t>(
+      std::min(double(kMaxSegments), std::ceil(total / (2.0 * kSegmentLength * radius))));
+  const double step = 0.5 * total / settings.segments;
+  const std::vector<Vector3d> axis =
+      findAxis(sampleEdges(welded, length, step), total, radius, settings.segments);
+  if (axis.empty()) return std::nullopt;
+  const Result<SharedNetwork> straight = buildRope(settings);
+  if (!straight) return std::nullopt;
+  auto rope = std::make_shared<SpringNetwork>(**straight);
+  rope->restPoints = axis;
+  return CookedBody{std::move(rope), 2.0 * radius, 0.0};
 }
 
 }  // namespace limber

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Zlib
-// Declares the parts of a mesh that become bodies.
+// Declares the parts of a mesh that become bodies, and the recognition of
+// parts that are sheets or thin tubes.
 #pragma once
 
+#include <limber/cook.h>
 #include <limber/mesh.h>
 #include <limber/result.h>
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace limber {
@@ -24,5 +28,18 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
 /// Returns the wrap of a mesh without hollows, at least `thickness` (m) thick everywhere. Pieces that are
 /// apart are joined by rods: a part is one body. Errors: those of wrap().
 Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, double thickness);
+
+// --- sheets and ropes --------------------------------------------------------------------------------------
+
+/// Returns a cloth if the mesh is one piece that is flat, or open with a border that is long for its area: as
+/// a disc has it, and not a ball with holes. Of a flat closed plate it is the front side. The cloth has the
+/// mesh's points, or about `points` (0: 800) if these are more; coarse meshes are divided so that they can
+/// fold. Its thickness is that of the plate, or half a
+/// percent of the size.
+std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points);
+
+/// Returns a rope along the middle of the mesh if this is one piece, a tube without branches that is at least
+/// 25 times as long as it is thick.
+std::optional<CookedBody> ropeOf(const WeldedMesh& welded);
 
 }  // namespace limber

@@ -4,7 +4,6 @@
 
 #include <limber/network_builder.h>
 
-#include "mesh/edges.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "network/skin.h"
@@ -17,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <queue>
 #include <utility>
 
 namespace limber {
@@ -41,13 +39,6 @@ constexpr double kFreeDetour = 1.5, kVariance = 30.0;
 constexpr std::size_t kMaxGapRounds = 200;
 constexpr double kNegligible = 1e-3;
 
-struct Link {
-  std::uint32_t to;
-  double length;
-};
-
-using Links = std::vector<std::vector<Link>>;
-
 /// Returns the nearest points, the nearest first, without `point`.
 std::vector<Link> nearestPoints(const std::vector<Vector3d>& points, std::uint32_t point) {
   std::vector<Link> all;
@@ -62,16 +53,9 @@ std::vector<Link> nearestPoints(const std::vector<Vector3d>& points, std::uint32
   return all;
 }
 
-void connect(Links& links, const std::vector<Vector3d>& points, std::uint32_t a, std::uint32_t b) {
-  const double length = (points[a] - points[b]).norm();
-  links[a].push_back({b, length});
-  links[b].push_back({a, length});
-}
-
 /// Returns the edges of triangles and tetrahedra.
-Links edgeLinks(const SpringNetwork& network) {
-  Links links(network.restPoints.size());
-  for (const Edge& edge : uniqueEdges(network.surface)) connect(links, network.restPoints, edge[0], edge[1]);
+Links elementLinks(const SpringNetwork& network) {
+  Links links = edgeLinks(network.restPoints, network.surface);
   for (const Tetrahedron& t : network.tetrahedra) {
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) connect(links, network.restPoints, t[i], t[j]);
@@ -100,26 +84,6 @@ std::vector<char> addStraightLinks(Links& links, const std::vector<Vector3d>& po
     }
   }
   return hidden;
-}
-
-/// Computes the lengths of the shortest paths from `from` (E. Dijkstra, 1959), `maxLength` if there is no
-/// shorter one.
-void shortestPaths(const Links& links, std::uint32_t from, double maxLength, std::vector<double>& length) {
-  using Arrival = std::pair<double, std::uint32_t>;
-  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front;
-  std::fill(length.begin(), length.end(), maxLength);
-  length[from] = 0.0;
-  front.push({0.0, from});
-  while (!front.empty()) {
-    const auto [distance, point] = front.top();
-    front.pop();
-    if (distance > length[point]) continue;
-    for (const Link& link : links[point]) {
-      if (distance + link.length >= length[link.to]) continue;
-      length[link.to] = distance + link.length;
-      front.push({length[link.to], link.to});
-    }
-  }
 }
 
 double variance(double path, double straight) {
@@ -151,14 +115,13 @@ SparseRows gapVariances(const SpringNetwork& network, const TriangleBvh& surface
   const std::vector<Vector3d>& points = network.restPoints;
   std::vector<std::vector<Link>> nearest;
   for (std::uint32_t i = 0; i < points.size(); ++i) nearest.push_back(nearestPoints(points, i));
-  Links links = edgeLinks(network);
+  Links links = elementLinks(network);
   const std::vector<char> hidden = addStraightLinks(links, points, nearest, surface);
 
   std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> length(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (!hidden[i]) continue;
-    shortestPaths(links, i, kMaxPathRatio * nearest[i].back().length, length);
+    const std::vector<double> length = shortestPaths(links, i, kMaxPathRatio * nearest[i].back().length);
     for (const Link& link : nearest[i]) {
       const double v = variance(length[link.to], link.length);
       if (v > 0.0) entries.emplace_back(i, link.to, v);

@@ -6,7 +6,6 @@
 #include "mesh/linear_algebra.h"
 #include "network/masses.h"
 #include "network/solid_modes.h"
-#include "network/sparse_blocks.h"
 
 #include <limber/mesh.h>
 

@@ -3,7 +3,7 @@
 
 #include <limber/spring_network.h>
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

@@ -4,7 +4,6 @@
 
 #include "network/tetrahedra.h"
 
-#include "mesh/edges.h"
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"

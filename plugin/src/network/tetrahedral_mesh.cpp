@@ -4,7 +4,7 @@
 
 #include "network/tetrahedra.h"
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

@@ -2,7 +2,6 @@
 // Solves the contacts, joints and anchors of an island together, by sweeps over their rows.
 #include "solver/contacts.h"
 
-#include "solver/contact_constraint.h"
 #include "solver/plane_contacts.h"
 
 #include <Eigen/LU>

@@ -3,7 +3,6 @@
 #include "solver/contacts.h"
 
 #include "mesh/surface.h"
-#include "solver/contact_constraint.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

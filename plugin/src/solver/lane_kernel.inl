@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// The code of lane_kernel_*.cpp. Each of these files compiles it for a different instruction set.
+// The code of lane_kernel_*.cpp. Each of these files compiles it for registers of LIMBER_PACK_BITS, as
+// LIMBER_PACK_STEP.
+
+#include "solver/target_begin.h"
 
 #include "solver/motion_sums.h"
 
@@ -36,3 +39,5 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
 }
 
 }  // namespace limber::kernel
+
+#include "solver/target_end.h"

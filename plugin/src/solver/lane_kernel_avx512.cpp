@@ -4,9 +4,5 @@
 #if defined(LIMBER_HAS_X86_LANES)
 #define LIMBER_PACK_BITS 512
 #define LIMBER_PACK_STEP stepAvx512
-#include "solver/target_begin.h"
-
 #include "solver/lane_kernel.inl"
-
-#include "solver/target_end.h"
 #endif

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Arrays of the point masses of a body, sums over them, and changes of the body's motion as a whole.
+// Arrays of the point masses of a body, sums over them, and changes of the body's motion as a whole;
+// constants that bodies share.
 
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <memory>
+#include <utility>
 
 namespace limber {
 
@@ -101,5 +104,26 @@ Eigen::Vector3d spinOf(const PointState& state);
 
 /// Adds a rigid rotation about the centre of mass to the velocities, so that spinOf(state) becomes `spin`.
 void setSpin(PointState& state, const Eigen::Vector3d& spin);
+
+// --- shared constants --------------------------------------------------------------------------------------
+
+/// Constants that several bodies share, for example the springs of equal bodies. Copies are cheap.
+template <class Constants>
+class SharedConstants {
+ public:
+  /// Default constants, which all default objects share.
+  SharedConstants() {
+    static const auto none = std::make_shared<const Constants>();
+    constants_ = none;
+  }
+  explicit SharedConstants(Constants constants)
+      : constants_(std::make_shared<const Constants>(std::move(constants))) {}
+
+  const Constants& operator*() const { return *constants_; }
+  const Constants* operator->() const { return constants_.get(); }
+
+ private:
+  std::shared_ptr<const Constants> constants_;
+};
 
 }  // namespace limber

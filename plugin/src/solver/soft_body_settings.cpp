@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: Zlib
+// Checks the settings of bodies, springs, air, water and drag, and makes gusts.
+
 #include <limber/soft_body_settings.h>
+
+#include "mesh/surface.h"
+
+#include <limber/surroundings.h>
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -14,12 +23,6 @@ namespace {
 /// Share of the shortest spring: small compared to the body, large compared to Bullet's margins at 1 m.
 constexpr double kRadiusPerSpring = 0.02;
 
-std::string say(const char* name, double value, const char* rule) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s is %g, must be %s", name, value, rule);
-  return text;
-}
-
 struct Check {
   const char* name;
   double value;
@@ -27,9 +30,10 @@ struct Check {
   const char* rule;
 };
 
-Result<void> firstViolation(const Check* begin, const Check* end) {
-  for (const Check* c = begin; c != end; ++c)
-    if (!(c->value >= c->low && c->value <= c->high)) return Error{say(c->name, c->value, c->rule)};
+template <std::size_t N>
+Result<void> firstViolation(const Check (&checks)[N]) {
+  for (const Check& c : checks)
+    if (!(c.value >= c.low && c.value <= c.high)) return Error{mustBe(c.name, c.value, c.rule)};
   return {};
 }
 
@@ -52,8 +56,7 @@ std::string checkVector(const char* name, const Eigen::Vector3d& v, double large
   for (std::size_t plus; (plus = text.find("e+0")) != std::string::npos;) text.replace(plus, 3, "e");
   for (int i = 0; i < 3; ++i)
     if (!(std::abs(v[i]) <= largest))
-      return say((name + std::string(".") + "xyz"[i]).c_str(), v[i],
-                 std::isfinite(v[i]) ? text.c_str() : "finite");
+      return mustBe(name + std::string(".") + "xyz"[i], v[i], std::isfinite(v[i]) ? text.c_str() : "finite");
   return {};
 }
 
@@ -65,14 +68,14 @@ std::string checkPlacement(const SoftBodySettings& s) {
     if (std::string reason = checkVector(name, v, largest); !reason.empty()) return reason;
   for (int i = 0; i < 3; ++i)
     if (std::abs(s.scale[i]) < 1.0 / kMaxScale)
-      return say((std::string("scale.") + "xyz"[i]).c_str(), s.scale[i],
-                 s.scale[i] == 0.0 ? "other than 0" : "1e-9 or more, or -1e-9 or less");
+      return mustBe(std::string("scale.") + "xyz"[i], s.scale[i],
+                    s.scale[i] == 0.0 ? "other than 0" : "1e-9 or more, or -1e-9 or less");
   const Eigen::Array3d factors = s.scale.array().abs();
   if (factors.maxCoeff() > kMaxScaleRatio * factors.minCoeff())
-    return say("largest over smallest axis of scale", factors.maxCoeff() / factors.minCoeff(),
-               "at most 1000");
+    return mustBe("largest over smallest axis of scale", factors.maxCoeff() / factors.minCoeff(),
+                  "at most 1000");
   const double norm = s.rotation.norm();
-  if (!(std::abs(norm - 1.0) < 1e-6)) return say("length of rotation", norm, "1");
+  if (!(std::abs(norm - 1.0) < 1e-6)) return mustBe("length of rotation", norm, "1");
   return {};
 }
 
@@ -85,7 +88,7 @@ Result<void> checkGroups(const std::vector<GroupSettings>& groups) {
         {"limitStrain", g.limitStrain, 1e-6, 1e6, "from 1e-6 to 1e6"},
         {"mass", g.mass, 1e-3, 1e3, "from 1e-3 to 1e3"},
     };
-    if (Result<void> valid = firstViolation(std::begin(checks), std::end(checks)); !valid)
+    if (Result<void> valid = firstViolation(checks); !valid)
       return Error{"groups[" + std::to_string(i) + "]." + valid.error()};
   }
   return {};
@@ -133,7 +136,7 @@ Result<void> validate(const SoftBodySettings& s) {
       {"elasticLimit.yieldMaximum", s.elasticLimit.yieldMaximum, 0, 0.999, "from 0 to 0.999"},
       {"elasticLimit.breakStrain", s.elasticLimit.breakStrain, 0, 1e6, "from 0 to 1e6"},
   };
-  if (Result<void> valid = firstViolation(std::begin(checks), std::end(checks)); !valid) return valid;
+  if (Result<void> valid = firstViolation(checks); !valid) return valid;
   if (Result<void> valid = validate(s.flow); !valid) return Error{"flow." + valid.error()};
   return checkGroups(s.groups);
 }
@@ -147,7 +150,7 @@ Result<void> validate(const SpringSettings& s) {
       {"action", static_cast<double>(s.action), 0, double(SpringAction::CompressionOnly),
        "one of SpringAction's"},
   };
-  return firstViolation(std::begin(checks), std::end(checks));
+  return firstViolation(checks);
 }
 
 double pointRadius(const SpringNetwork& network, const SoftBodySettings& settings) {
@@ -159,6 +162,75 @@ double pointRadius(const SpringNetwork& network, const SoftBodySettings& setting
     if (length > 0.0) shortest = std::min(shortest, length);
   }
   return shortest < std::numeric_limits<double>::max() ? kRadiusPerSpring * shortest : kRadiusPerSpring;
+}
+
+// --- air and water -----------------------------------------------------------------------------------------
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// m/s, thirty times the speed of sound.
+constexpr double kMaxFlowSpeed = 1e4;
+
+Result<void> checkFlowVelocity(const std::string& name, const Vector3d& v) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!(std::abs(v[static_cast<Eigen::Index>(i)]) <= kMaxFlowSpeed))
+      return Error{mustBe(name + "." + "xyz"[i], v[static_cast<Eigen::Index>(i)], "from -1e4 to 1e4")};
+  return {};
+}
+
+}  // namespace
+
+Result<void> validate(const Air& air) {
+  const Check checks[] = {{"density", air.density, 0, 1e4, "from 0 to 1e4"}};
+  if (Result<void> valid = firstViolation(checks); !valid) return valid;
+  return checkFlowVelocity("wind", air.wind);
+}
+
+Result<void> validate(const Water& water) {
+  const Check checks[] = {{"density", water.density, 1e-9, 1e5, "from 1e-9 to 1e5"},
+                          {"level", water.level, -1e6, 1e6, "from -1e6 to 1e6"}};
+  if (Result<void> valid = firstViolation(checks); !valid) return valid;
+  return checkFlowVelocity("flow", water.flow);
+}
+
+Result<void> validate(const FlowCoefficients& flow) {
+  const Check checks[] = {{"drag", flow.drag.value_or(0.0), 0, 100, "from 0 to 100"},
+                          {"lift", flow.lift.value_or(0.0), 0, flow.drag ? *flow.drag : 1.0,
+                           flow.drag ? "from 0 to drag" : "from 0 to 1 without drag"},
+                          {"friction", flow.friction, 0, 100, "from 0 to 100"},
+                          {"linearDrag", flow.linearDrag.value_or(0.0), 0, 1e6, "from 0 to 1e6"},
+                          {"displacedVolume", flow.displacedVolume, 0, 1e9, "from 0 to 1e9"}};
+  return firstViolation(checks);
+}
+
+// Eddies are plane waves whose velocities are perpendicular to their wave vectors, so that the air neither
+// gathers nor thins; the mean wind carries them along (Kraichnan 1970).
+
+WindFunction gusts(const Vector3d& meanWind, double strength, double size) {
+  constexpr int kWaves = 6;
+  struct Wave {
+    Vector3d vector, velocity;
+    double phase;
+  };
+  std::array<Wave, kWaves> waves;
+  const double speed = meanWind.norm();
+  const Vector3d along = speed > 0.0 ? Vector3d(meanWind / speed) : Vector3d(Vector3d::UnitX());
+  const Vector3d side = along.unitOrthogonal(), up = along.cross(side);
+  for (int i = 0; i < kWaves; ++i) {
+    const double turn = 2.399963 * i, slant = 0.35 + 0.1 * i, number = (1.0 + 0.37 * i) / size;
+    const Vector3d across = std::cos(turn) * side + std::sin(turn) * up;
+    const Vector3d direction = std::cos(slant) * across + std::sin(slant) * along;
+    const Vector3d normal = (along - direction.dot(along) * direction).normalized();
+    waves[static_cast<std::size_t>(i)] = {number * direction, (strength / kWaves) * normal, 1.7 * i * i};
+  }
+  return [waves, meanWind](const Vector3d& place, double time) {
+    Vector3d sum = Vector3d::Zero();
+    for (const Wave& wave : waves)
+      sum += std::sin(wave.vector.dot(place - time * meanWind) + wave.phase) * wave.velocity;
+    return sum;
+  };
 }
 
 }  // namespace limber

@@ -3,7 +3,7 @@
 // This file lets the triangles of a surface, and of the surface that is drawn, follow the elements of a
 // network that separates.
 
-#include "solver/split_parts.h"
+#include "solver/split.h"
 
 #include <Eigen/LU>
 

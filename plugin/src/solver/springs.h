@@ -4,7 +4,6 @@
 // The springs of a body: constants, order, forces, elastic limits and dampers.
 
 #include "solver/point_state.h"
-#include "solver/shared_constants.h"
 #include "solver/verlet_kernel.h"
 
 #include <limber/soft_body_settings.h>

@@ -2,7 +2,7 @@
 // The volume term of tetrahedra: forces, energy and an upper bound of the frequency of oscillation.
 #include "solver/volumes.h"
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <Eigen/Geometry>
 

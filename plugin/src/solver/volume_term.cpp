@@ -2,7 +2,7 @@
 // The volume term of closed surfaces: forces, energy and upper bounds of the frequency of oscillation.
 #include "solver/volumes.h"
 
-#include "mesh/edges.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -297,12 +297,6 @@ double volumeEnergy(const VolumeArrays& v, const Points& position) {
                                   v->gasPressure * gasEnergy(relative) + v->ambient * (relative - 1.0));
   }
   return energy;
-}
-
-double enclosedVolume(const VolumeArrays& v, const Points& position) {
-  double sum = 0.0;
-  for (std::size_t c = 0; c < v->restVolume.size(); ++c) sum += componentVolume(*v.constants, c, position);
-  return sum;
 }
 
 double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, double tick, double slack) {

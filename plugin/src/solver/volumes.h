@@ -4,7 +4,6 @@
 // The volume terms of a body: for its closed surfaces and for its tetrahedra.
 
 #include "solver/point_state.h"
-#include "solver/shared_constants.h"
 #include "solver/verlet_kernel.h"
 
 #include <limber/soft_body_settings.h>
@@ -78,9 +77,6 @@ bool isHeldBack(VolumeArrays& volumes, const PointState& state, double dt);
 
 /// Returns the energy (J) of the volume term.
 double volumeEnergy(const VolumeArrays& volumes, const Points& position);
-
-/// Returns the signed volume (m^3) of all components together.
-double enclosedVolume(const VolumeArrays& volumes, const Points& position);
 
 /// Returns an upper bound (rad^2/s^2) of the volume term's contribution to the square of the body's highest
 /// angular frequency in the coming tick.

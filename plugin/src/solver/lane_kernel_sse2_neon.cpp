@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "solver/lane_kernels.h"
 
-#if defined(LIMBER_HAS_X86_LANES)
 #define LIMBER_PACK_BITS 128
+#if defined(LIMBER_HAS_X86_LANES)
 #define LIMBER_PACK_STEP stepSse2
-#include "solver/target_begin.h"
-
 #include "solver/lane_kernel.inl"
-
-#include "solver/target_end.h"
+#elif defined(LIMBER_HAS_NEON_LANES)
+#define LIMBER_PACK_STEP stepNeon
+#include "solver/lane_kernel.inl"
 #endif
