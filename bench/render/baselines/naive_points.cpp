@@ -15,19 +15,20 @@ using namespace render;
 class NaivePoints final : public StagedBaseline {
  public:
   explicit NaivePoints(Renderer& renderer) : StagedBaseline(renderer) {
-    if (renderer.computesOnCpu()) {
+    if (renderer.computesOnCpu())
       throw std::runtime_error("naive points need a renderer with ComputeOn::Gpu");
-    }
   }
 
   void beginFrame() override;
-  void draw(const Camera& camera, const Light& light, const DrawOptions& options) override;
   std::size_t bytes() const override;
 
  private:
   GLuint bufferFor(std::size_t instance, std::size_t bytes);
   DrawItem upload(const InstanceGroup& group, std::uint32_t indexInGroup);
-  void uploadAll();
+  void uploadAll() override;
+  void drawPicture(const DrawOptions& options, bool shadows) override {
+    parts_.drawPicture(options, shadows);
+  }
 
   std::vector<GlBuffer> buffers_;  // By instance.
 };
@@ -39,12 +40,9 @@ void NaivePoints::beginFrame() {
 }
 
 GLuint NaivePoints::bufferFor(std::size_t instance, std::size_t bytes) {
-  if (instance >= buffers_.size()) {
-    buffers_.resize(instance + 1);
-  }
-  if (buffers_[instance].bytes() != bytes) {
+  if (instance >= buffers_.size()) buffers_.resize(instance + 1);
+  if (buffers_[instance].bytes() != bytes)
     buffers_[instance] = makeBuffer(parts_.gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT);
-  }
   return buffers_[instance].name();
 }
 
@@ -69,30 +67,14 @@ DrawItem NaivePoints::upload(const InstanceGroup& group, std::uint32_t indexInGr
 void NaivePoints::uploadAll() {
   parts_.items.clear();
   for (const InstanceGroup& group : parts_.layout.groups) {
-    for (std::uint32_t i = 0; i < group.instanceCount; ++i) {
-      parts_.items.push_back(upload(group, i));
-    }
+    for (std::uint32_t i = 0; i < group.instanceCount; ++i) parts_.items.push_back(upload(group, i));
   }
   parts_.stats.bytesStreamed = 3 * sizeof(float) * parts_.layout.pointCount;
 }
 
-void NaivePoints::draw(const Camera& camera, const Light& light, const DrawOptions& options) {
-  requireOpen();
-  Stopwatch watch;
-  const GlStateGuard guard(parts_.gl, parts_.sharedContext);
-  uploadAll();
-  parts_.uploadFrameData(camera, light, options, {});
-  parts_.stats.uploadMs = watch.lap();
-  parts_.drawPicture(options, light.shadows);
-  parts_.stats.submitMs = watch.lap();
-  closeFrame();
-}
-
 std::size_t NaivePoints::bytes() const {
   std::size_t sum = 0;
-  for (const GlBuffer& buffer : buffers_) {
-    sum += buffer.bytes();
-  }
+  for (const GlBuffer& buffer : buffers_) sum += buffer.bytes();
   return sum;
 }
 

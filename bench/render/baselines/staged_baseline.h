@@ -17,18 +17,32 @@ class StagedBaseline : public Baseline {
 
   float* points(render::InstanceId instance) const final {
     const render::FrameLayout::Slice* slice = parts_.layout.find(instance);
-    if (!open_ || slice == nullptr) {
+    if (!open_ || slice == nullptr)
       throw std::runtime_error("points(): this instance is not part of an open frame of the baseline");
-    }
     return points_ + 3 * std::size_t{slice->firstPoint};
   }
 
+  void draw(const render::Camera& camera, const render::Light& light,
+            const render::DrawOptions& options) override {
+    if (!open_) throw std::logic_error("draw() of a baseline without beginFrame()");
+    render::Stopwatch watch;
+    const render::GlStateGuard guard(parts_.gl, parts_.sharedContext);
+    uploadAll();
+    parts_.uploadFrameData(camera, light, options, {});
+    parts_.stats.uploadMs = watch.lap();
+    drawPicture(options, light.shadows);
+    parts_.stats.submitMs = watch.lap();
+    open_ = false;
+  }
+
  protected:
+  virtual void uploadAll() = 0;
+  virtual void drawPicture(const render::DrawOptions& options, bool shadows) = 0;
+
   /// Orders the instances as the renderer does.
   void layOut() {
-    if (parts_.frame.open) {
+    if (parts_.frame.open)
       throw std::logic_error("a baseline cannot draw while a frame of the renderer is open");
-    }
     parts_.layOutInstances();
   }
   void openFrame() {
@@ -37,12 +51,6 @@ class StagedBaseline : public Baseline {
     parts_.stats.waitMs = 0.0;  // It never waits for the GPU here.
     open_ = true;
   }
-  void requireOpen() const {
-    if (!open_) {
-      throw std::logic_error("draw() of a baseline without beginFrame()");
-    }
-  }
-  void closeFrame() { open_ = false; }
   /// The points from this one on.
   const float* staged(std::size_t firstPoint) const { return points_ + 3 * firstPoint; }
 
