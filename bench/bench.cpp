@@ -8,8 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
-#include <filesystem>
-#include <stdexcept>
+#include <optional>
 
 namespace limber::bench {
 namespace {
@@ -173,10 +172,11 @@ std::vector<double> Options::numbers(const std::string& key, const std::vector<d
   return values;
 }
 
-std::vector<std::string> Options::words(const std::string& key,
-                                        const std::vector<std::string>& otherwise) const {
+bool Options::hasWord(const std::string& key, const std::string& word,
+                      const std::vector<std::string>& otherwise) const {
   const auto found = sets.find(key);
-  return found == sets.end() ? otherwise : split(found->second);
+  const std::vector<std::string> all = found == sets.end() ? otherwise : split(found->second);
+  return std::find(all.begin(), all.end(), word) != all.end();
 }
 
 ExitCode runBench(const std::vector<Bench>& benches, int argc, char** argv) {

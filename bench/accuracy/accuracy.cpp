@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/accuracy_scene.h"
 #include "bullet_soft/body_start.h"
-#include "engines/engines.h"
 #include "results.h"
 #include "timing.h"
 
@@ -21,12 +20,6 @@ BodySetup shifted(BodySetup body, int copy) {
   body.settings.position += offset;
   if (body.positions.size()) body.positions.colwise() += offset;
   return body;
-}
-
-bool isLost(const Frame& frame) {
-  for (const Eigen::Matrix3Xd& points : frame.positions)
-    if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kMaxDistance) return true;
-  return false;
 }
 
 double manifoldImpulse(const btDiscreteDynamicsWorld& world) {
@@ -94,11 +87,7 @@ void Stage::advance(int ticks) {
 }
 
 Frame Stage::currentFrame() const {
-  Frame frame;
-  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-    frame.positions.push_back(engine_->positions(i));
-    frame.velocities.push_back(engine_->velocities(i));
-  }
+  Frame frame{statesOf(scene_, *engine_), {}, 0.0};
   for (const auto& body : rigid_.bodies)
     if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
   frame.contactImpulse = manifoldImpulse(engine_->world()) + engine_->untoldImpulse();
@@ -107,7 +96,7 @@ Frame Stage::currentFrame() const {
 
 void Stage::record() {
   Frame frame = currentFrame();
-  lost_ = isLost(frame);
+  lost_ = isLost(frame, kMaxDistance);
   const double remaining = (ticks_ - tick_ + 1) * dt_;  // s, from the previous frame to the scene's end
   if (remaining > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
   trace_.frames.push_back(std::move(frame));
@@ -131,18 +120,15 @@ struct Run {
 /// Returns Limber with Verlet and `factor` times the substeps that the scene's first body needs.
 EngineChoice withSubsteps(const Scene& scene, double dt, int factor) {
   const int count = factor * stableSubsteps(scene.bodies[0], dt);
-  const auto tune = [count](SoftBodySettings& s) {
+  return limberChoice(format("Verlet, %d x substeps", factor), [count](SoftBodySettings& s) {
     s.stepping.stepper = Stepper::Verlet;
     s.stepping.minSubsteps = count;
-  };
-  return {"Limber", "Verlet, " + std::to_string(factor) + " x substeps",
-          [tune](const EngineUse&) { return makeLimberEngine(tune); }};
+  });
 }
 
 EngineChoice withTolerance(double periodTolerance) {
-  const auto tune = [periodTolerance](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; };
-  return {"Limber", format("period tolerance %.0e", periodTolerance),
-          [tune](const EngineUse&) { return makeLimberEngine(tune); }};
+  return limberChoice(format("period tolerance %.0e", periodTolerance),
+                      [=](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; });
 }
 
 /// In ordered scenes Limber is also run with 2, 4, 8 ... times the substeps that it needs to be stable.
@@ -195,11 +181,11 @@ void addRows(const Run& run, const Scene& scene, double dt, Results& results) {
   const Stage& stage = *run.stage;
   const Subject subject{scene.kind == Kind::Free ? "free motion" : "with contacts", scene.name,
                         run.choice.engine, run.choice.setting, 1.0 / dt};
-  // one error is enough where the points are lost
-  const std::vector<double> errors = stage.lost() ? std::vector<double>{kLost} : scene.judge(stage.trace());
-  for (std::size_t i = 0; i < errors.size(); ++i)
-    if (!std::isnan(errors[i]))  // this engine has no such measure
-      results.add(subject, "error of " + scene.measures[i], unitOf(scene.measures[i]), errors[i]);
+  for (const Measure& measure : scene.measures) {
+    const double error = stage.lost() ? kLost : measure.error(stage.trace());
+    if (!std::isnan(error)) results.add(subject, "error of " + measure.name, unitOf(measure.name), error);
+    if (stage.lost()) break;  // one error is enough
+  }
   results.add(subject, "tick", "us", stage.tickMicroseconds());
   if (run.choice.isLimber()) results.add(subject, "springs", "us", stage.stepMicroseconds());
   results.note(subject, "hash", hexText(stage.hash()));

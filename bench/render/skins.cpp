@@ -7,18 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 namespace limber::bench {
 namespace {
 
 constexpr float kRadius = 2.0f;  // m
-
-template <class Value>
-Value required(Result<Value> result) {
-  if (!result) throw std::runtime_error(result.error());
-  return std::move(*result);
-}
 
 TriangleMesh meshOf(const render::Scenery& body) {
   TriangleMesh mesh;
@@ -37,7 +30,7 @@ TriangleMesh meshOf(const render::Scenery& body) {
 SharedNetwork coarseNetwork() {
   NetworkSettings settings;
   settings.braces = BraceRule::None;  // nothing is simulated
-  return required(buildNetwork(meshOf(render::makeUvSphere({}, kRadius, 8, 14)), settings));
+  return valueOf(buildNetwork(meshOf(render::makeUvSphere({}, kRadius, 8, 14)), settings));
 }
 
 Eigen::Matrix3Xf restOf(const SpringNetwork& network) {
@@ -174,7 +167,7 @@ void measureSkins(const DrawContext& context, bool quick, const Turns& turns, Re
     for (const SkinKind kind : {SkinKind::Dense, SkinKind::Sparse}) {
       SkinSettings settings;
       settings.kind = kind;
-      const SharedNetwork network = required(withSkin(*coarse, mesh, settings));
+      const SharedNetwork network = valueOf(withSkin(*coarse, mesh, settings));
       measureWeights(kind == SkinKind::Dense ? "dense" : "sparse", skinnedScene(plain, *network),
                      network->render.skin, context, turns, results);
     }

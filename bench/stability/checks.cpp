@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "stability/checks.h"
-
 #include "mesh/linear_algebra.h"
-#include "scene/spring_system.h"
-#include "stability/hard_case.h"
+#include "scene/reference.h"
+#include "stability/stability.h"
 
 #include <Eigen/Geometry>
 

@@ -8,35 +8,30 @@
 #include <cmath>
 
 namespace limber::bench {
-
-bool gainsEnergy(const CaseResult& row) {
-  return row.ran() && !(row.energyRatio <= kEnergyTarget + row.rounding);
-}
-
-bool drifts(const CaseResult& row) { return row.ran() && row.drift && !(*row.drift <= kDriftTarget); }
-
-bool losesSpin(const CaseResult& row) {
-  return row.ran() && row.spinDrift && !(*row.spinDrift <= kSpinTarget);
-}
-
-bool staysMisshapen(const CaseResult& row) {
-  return row.ran() && row.shape && row.shape->shape == Shape::Lost;
-}
-
-bool isHeldElsewhere(const CaseResult& row) {
-  if (!row.ran() || !row.shape) return false;
-  const Shape shape = row.shape->shape;
-  return shape == Shape::Other || shape == Shape::Saddle || shape == Shape::Spinning;
-}
-
-bool endsWrong(const CaseResult& row) { return row.ran() && row.wrongSide.value_or(0) > 0; }
-
-bool passes(const CaseResult& row) {
-  return row.ran() && row.finite && !gainsEnergy(row) && !drifts(row) && !losesSpin(row) &&
-         !staysMisshapen(row) && !endsWrong(row);
-}
-
 namespace {
+
+constexpr double kEnergyTarget = 1.001, kDriftTarget = 1e-6, kSpinTarget = 1e-3;
+
+/// A value of a case, and whether it misses its target.
+struct Check {
+  const char* measure;
+  std::optional<double> value;  ///< empty: the case does not ask for it
+  std::optional<bool> missed;   ///< empty: it has no target
+};
+
+std::vector<Check> checksOf(const CaseResult& r) {
+  const auto above = [](const std::optional<double>& value, double limit) {
+    return value && !(*value <= limit);  // NaN is above
+  };
+  const std::optional<double> shapeError = r.shape ? std::optional(r.shape->error) : std::nullopt;
+  return {{"finite", r.finite, !r.finite},
+          {"energy", r.energyRatio, above(r.energyRatio, kEnergyTarget + r.rounding)},
+          {"energy, rounding", r.rounding, std::nullopt},
+          {"momentum drift", r.drift, above(r.drift, kDriftTarget)},
+          {"angular momentum drift", r.spinDrift, above(r.spinDrift, kSpinTarget)},
+          {"shape error", shapeError, r.shape && r.shape->shape == Shape::Lost},
+          {"points on the wrong side", r.wrongSide, above(r.wrongSide, 0.0)}};
+}
 
 constexpr double kMaxDistance = 1e6;  // multiple of the size
 
@@ -48,7 +43,6 @@ class CaseRun {
   void play(CaseResult& row, std::FILE* trace);
 
  private:
-  BodyStates readStates() const;
   void startBalance();
   void measure(CaseResult& row);
   void measureSpin(CaseResult& row);
@@ -80,34 +74,16 @@ CaseRun::CaseRun(const HardCase& hard, const EngineChoice& choice, double dt)
   if (!hard.sees && choice.engine == "btSoftBody") throw std::runtime_error("btSoftBody does not see planes");
   engine_ = open(hard, choice, dt, rigid_);
   for (const ExtraSpring& spring : hard.springs) engine_->addSpring(spring.a, spring.b, spring.settings);
-  states_ = readStates();
+  states_ = statesOf(hard, *engine_);
   momentum_ = balance_.momentum(states_);
   momentumScale_ = balance_.momentumScale(states_);
   spin_ = spinNow().momentum;
   if (hard.energyFrom <= 0.0) startBalance();
 }
 
-BodyStates CaseRun::readStates() const {
-  BodyStates states;
-  for (std::size_t i = 0; i < hard_.bodies.size(); ++i) {
-    states.positions.push_back(engine_->positions(i));
-    states.velocities.push_back(engine_->velocities(i));
-  }
-  return states;
-}
-
 void CaseRun::startBalance() {
   balanceStarted_ = true;
   startEnergy_ = energy_ = balance_.energy(states_, rigid_);
-}
-
-bool isLost(const BodyStates& states, double size) {
-  for (std::size_t i = 0; i < states.positions.size(); ++i) {
-    const Eigen::Matrix3Xd& x = states.positions[i];
-    if (!x.allFinite() || !states.velocities[i].allFinite()) return true;
-    if (x.cwiseAbs().maxCoeff() > kMaxDistance * size) return true;
-  }
-  return false;
 }
 
 void CaseRun::measure(CaseResult& row) {
@@ -144,7 +120,7 @@ void setLost(const HardCase& hard, CaseResult& row) {
   if (row.drift) row.drift = kLost;
   if (row.spinDrift) row.spinDrift = kLost;
   if (hard.recovers) row.shape = ShapeCheck{Shape::Lost, kLost};
-  if (hard.allowed) row.wrongSide = hard.bodies[0].network->restPoints.size();
+  if (hard.allowed) row.wrongSide = double(hard.bodies[0].network->restPoints.size());
 }
 
 /// Returns the check with the largest error.
@@ -177,10 +153,9 @@ void CaseRun::judgeEnd(CaseResult& row) const {
   if (lost && hard_.startsInBalance && coincide(states_.positions[0], hard_.size))
     row.shape->shape = Shape::Saddle;
   if (!hard_.allowed) return;
-  std::size_t wrong = 0;
+  row.wrongSide = 0.0;
   for (const Eigen::Matrix3Xd& points : states_.positions)
-    for (Eigen::Index i = 0; i < points.cols(); ++i) wrong += hard_.allowed(points.col(i)) ? 0u : 1u;
-  row.wrongSide = wrong;
+    for (Eigen::Index i = 0; i < points.cols(); ++i) *row.wrongSide += !hard_.allowed(points.col(i));
 }
 
 void CaseRun::print(std::FILE* trace) const {
@@ -199,8 +174,8 @@ void CaseRun::play(CaseResult& row, std::FILE* trace) {
     time_ = static_cast<double>(i) * dt_;
     if (hard_.drive) hard_.drive(rigid_, time_);
     engine_->tick(dt_);
-    states_ = readStates();
-    lost_ = isLost(states_, hard_.size);
+    states_ = statesOf(hard_, *engine_);
+    lost_ = isLost(states_, kMaxDistance * hard_.size);
     if (lost_) break;
     if (!balanceStarted_ && time_ >= hard_.energyFrom) startBalance();
     measure(row);
@@ -209,24 +184,7 @@ void CaseRun::play(CaseResult& row, std::FILE* trace) {
   lost_ ? setLost(hard_, row) : judgeEnd(row);
 }
 
-}  // namespace
-
-CaseResult playCase(const HardCase& hard, const EngineChoice& choice, double dt, std::FILE* trace) {
-  CaseResult row;
-  const bool slowed = choice.engine == "btSoftBody" && hard.bodies[0].drag > 0.0;
-  if (hard.freeFlight && !slowed) row.drift = 0.0;
-  if (row.drift && hard.bodies.size() == 1) row.spinDrift = 0.0;
-  try {
-    CaseRun(hard, choice, dt).play(row, trace);
-  } catch (const std::runtime_error& error) {
-    row.reason = error.what();
-  }
-  return row;
-}
-
 // --- the bench ---
-
-namespace {
 
 /// Returns Limber with each stepper, and those settings of other engines that are most similar to the springs
 /// and most stable.
@@ -253,28 +211,13 @@ std::vector<HardCase> wantedCases(const Options& options) {
   return wantedScenes(std::move(cases), options);
 }
 
-/// Adds a value and whether it misses its target; nothing if the case does not ask for it.
-void addCheck(const Subject& subject, const std::string& measure, std::optional<double> value, bool missed,
-              Results& results) {
-  if (!value) return;
-  results.add(subject, measure, "", *value);
-  results.add(subject, "missed: " + measure, "", missed);
-}
-
 void addRows(const Subject& subject, const CaseResult& r, Results& results) {
-  if (!r.ran()) return results.note(subject, "no result", r.reason);
-  addCheck(subject, "finite", r.finite, !r.finite, results);
-  addCheck(subject, "energy", r.energyRatio, gainsEnergy(r), results);
-  results.add(subject, "energy, rounding", "", r.rounding);
-  addCheck(subject, "momentum drift", r.drift, drifts(r), results);
-  addCheck(subject, "angular momentum drift", r.spinDrift, losesSpin(r), results);
-  if (r.shape) {
-    addCheck(subject, "shape error", r.shape->error, staysMisshapen(r), results);
-    results.note(subject, "shape", nameOf(r.shape->shape));
+  if (!r.reason.empty()) return results.note(subject, "no result", r.reason);
+  for (const auto& [measure, value, missed] : checksOf(r)) {
+    if (value) results.add(subject, measure, "", *value);
+    if (value && missed) results.add(subject, std::string("missed: ") + measure, "", *missed);
   }
-  std::optional<double> wrong;
-  if (r.wrongSide) wrong = static_cast<double>(*r.wrongSide);
-  addCheck(subject, "points on the wrong side", wrong, endsWrong(r), results);
+  if (r.shape) results.note(subject, "shape", nameOf(r.shape->shape));
   results.add(subject, "passed", "", passes(r));
 }
 
@@ -294,6 +237,26 @@ void runStability(const Options& options, Results& results) {
 }
 
 }  // namespace
+
+bool passes(const CaseResult& result) {
+  const std::vector<Check> checks = checksOf(result);
+  return result.reason.empty() && std::none_of(checks.begin(), checks.end(), [](const Check& check) {
+           return check.missed.value_or(false);
+         });
+}
+
+CaseResult playCase(const HardCase& hard, const EngineChoice& choice, double dt, std::FILE* trace) {
+  CaseResult row;
+  const bool slowed = choice.engine == "btSoftBody" && hard.bodies[0].drag > 0.0;
+  if (hard.freeFlight && !slowed) row.drift = 0.0;
+  if (row.drift && hard.bodies.size() == 1) row.spinDrift = 0.0;
+  try {
+    CaseRun(hard, choice, dt).play(row, trace);
+  } catch (const std::runtime_error& error) {
+    row.reason = error.what();
+  }
+  return row;
+}
 
 Bench stabilityBench() {
   return {"stability",
