@@ -38,20 +38,57 @@ double manifoldImpulse(const btDiscreteDynamicsWorld& world) {
 class Stage {
  public:
   /// Throws std::runtime_error if the engine does not support the scene.
-  Stage(const Scene& scene, const EngineChoice& choice, double dt);
+  Stage(const Scene& scene, const EngineChoice& choice, double dt)
+      : scene_(scene), dt_(dt), ticks_(static_cast<int>(std::lround(scene.seconds / dt))) {
+    Scenario copies = scene;
+    for (int copy = 1; copy < scene.copies; ++copy)
+      for (const BodySetup& body : scene.bodies) copies.bodies.push_back(shifted(body, copy));
+    engine_ = open(copies, choice, dt, rigid_);
+    trace_.dt = dt;
+    record();
+  }
 
   bool over() const { return lost_ || tick_ >= ticks_; }
-  void advance(int ticks);
+  void advance(int ticks) {
+    for (; ticks > 0 && !over(); --ticks) {
+      const auto start = Clock::now();
+      engine_->tick(dt_);
+      const double tick = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+      tickMicroseconds_.push_back(tick / scene_.copies);
+      if (engine_->stepMicroseconds() >= 0.0)
+        stepMicroseconds_.push_back(engine_->stepMicroseconds() / scene_.copies);
+      ++tick_;
+      record();
+    }
+  }
 
   const Trace& trace() const { return trace_; }
   bool lost() const { return lost_; }  ///< a point has flown to infinity
-  std::uint64_t hash() const;          ///< of the last frame, bit for bit
+  /// Of the last frame, bit for bit.
+  std::uint64_t hash() const {
+    std::uint64_t hash = kHashStart;
+    for (const auto& points : trace_.last().positions) addToHash(hash, points);
+    for (const auto& speeds : trace_.last().velocities) addToHash(hash, speeds);
+    return hash;
+  }
   const std::vector<double>& tickMicroseconds() const { return tickMicroseconds_; }
   const std::vector<double>& stepMicroseconds() const { return stepMicroseconds_; }  ///< empty if unknown
 
  private:
-  Frame currentFrame() const;
-  void record();
+  Frame currentFrame() const {
+    Frame frame{statesOf(scene_, *engine_), {}, 0.0};
+    for (const auto& body : rigid_.bodies)
+      if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
+    frame.contactImpulse = manifoldImpulse(engine_->world()) + engine_->untoldImpulse();
+    return frame;
+  }
+  void record() {
+    Frame frame = currentFrame();
+    lost_ = isLost(frame, kMaxDistance);
+    const double remaining = (ticks_ - tick_ + 1) * dt_;  // s, from the previous frame to the scene's end
+    if (remaining > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
+    trace_.frames.push_back(std::move(frame));
+  }
 
   const Scene& scene_;
   RigidBodies rigid_;  // declared before the engine, whose world refers to them
@@ -63,58 +100,12 @@ class Stage {
   std::vector<double> tickMicroseconds_, stepMicroseconds_;
 };
 
-Stage::Stage(const Scene& scene, const EngineChoice& choice, double dt)
-    : scene_(scene), dt_(dt), ticks_(static_cast<int>(std::lround(scene.seconds / dt))) {
-  Scenario copies = scene;
-  for (int copy = 1; copy < scene.copies; ++copy)
-    for (const BodySetup& body : scene.bodies) copies.bodies.push_back(shifted(body, copy));
-  engine_ = open(copies, choice, dt, rigid_);
-  trace_.dt = dt;
-  record();
-}
-
-void Stage::advance(int ticks) {
-  for (; ticks > 0 && !over(); --ticks) {
-    const auto start = Clock::now();
-    engine_->tick(dt_);
-    const double tick = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-    tickMicroseconds_.push_back(tick / scene_.copies);
-    if (engine_->stepMicroseconds() >= 0.0)
-      stepMicroseconds_.push_back(engine_->stepMicroseconds() / scene_.copies);
-    ++tick_;
-    record();
-  }
-}
-
-Frame Stage::currentFrame() const {
-  Frame frame{statesOf(scene_, *engine_), {}, 0.0};
-  for (const auto& body : rigid_.bodies)
-    if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
-  frame.contactImpulse = manifoldImpulse(engine_->world()) + engine_->untoldImpulse();
-  return frame;
-}
-
-void Stage::record() {
-  Frame frame = currentFrame();
-  lost_ = isLost(frame, kMaxDistance);
-  const double remaining = (ticks_ - tick_ + 1) * dt_;  // s, from the previous frame to the scene's end
-  if (remaining > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
-  trace_.frames.push_back(std::move(frame));
-}
-
-std::uint64_t Stage::hash() const {
-  std::uint64_t hash = kHashStart;
-  for (const auto& points : trace_.last().positions) addToHash(hash, points);
-  for (const auto& speeds : trace_.last().velocities) addToHash(hash, speeds);
-  return hash;
-}
-
 // --- measurement ---
 
 /// A run of one engine in a scene.
 struct Run {
   EngineChoice choice;
-  std::unique_ptr<Stage> stage;  // nullptr: this engine does not support the scene
+  std::unique_ptr<Stage> stage;
 };
 
 /// Returns Limber with Verlet and `factor` times the substeps that the scene's first body needs.
@@ -143,12 +134,12 @@ std::vector<EngineChoice> enginesOf(const Scene& scene, double dt, const Options
   return wantedEngines(engines, options);
 }
 
+/// Engines that do not support the scene are left out.
 std::vector<Run> openRuns(const Scene& scene, double dt, const Options& options) {
   std::vector<Run> runs;
   for (const EngineChoice& choice : enginesOf(scene, dt, options)) {
-    runs.push_back({choice, nullptr});
     try {
-      runs.back().stage = std::make_unique<Stage>(scene, choice, dt);
+      runs.push_back({choice, std::make_unique<Stage>(scene, choice, dt)});
     } catch (const std::runtime_error& error) {
       std::fprintf(stderr, "no %s, %s in %s: %s\n", choice.engine.c_str(), choice.setting.c_str(),
                    scene.name.c_str(), error.what());
@@ -164,7 +155,7 @@ void playAll(std::vector<Run>& runs, const Scene& scene, double dt, Progress& pr
   for (double done = 0; playing; done += kTicksPerTurn) {
     playing = false;
     for (Run& run : runs) {
-      if (!run.stage || run.stage->over()) continue;
+      if (run.stage->over()) continue;
       run.stage->advance(kTicksPerTurn);
       playing = true;
     }
@@ -207,8 +198,7 @@ void runAccuracy(const Options& options, Results& results) {
     for (const double rate : options.numbers("ticks", options.quick ? quick : all)) {
       std::vector<Run> runs = openRuns(scene, 1.0 / rate, options);
       playAll(runs, scene, 1.0 / rate, progress);
-      for (const Run& run : runs)
-        if (run.stage) addRows(run, scene, 1.0 / rate, results);
+      for (const Run& run : runs) addRows(run, scene, 1.0 / rate, results);
     }
     progress.finish(scene.name);
   }

@@ -24,39 +24,6 @@ Eigen::Matrix3Xd columns(std::size_t count, Get get) {
 
 // --- Limber ---
 
-class LimberEngine final : public Engine {
- public:
-  explicit LimberEngine(TuneSettings tune, ParallelFor parallelFor = {}) : tune_(std::move(tune)) {
-    soft_.setParallelFor(std::move(parallelFor));
-  }
-
-  btDiscreteDynamicsWorld& world() override { return world_.dynamics; }
-  void set(const std::string& key, const std::string& value) override { values_[key] = value; }
-  std::size_t addBody(const BodySetup& setup) override;
-  void tick(double dt) override { world().stepSimulation(static_cast<btScalar>(dt), 0); }
-  double stepMicroseconds() const override { return 1e3 * soft_.profile().stepMs; }
-  double untoldImpulse() const override;
-  Eigen::Matrix3Xd positions(std::size_t body) const override {
-    const SoftBody& soft = *soft_.body(body);
-    return columns(soft.pointCount(), [&](std::size_t i) { return soft.position(std::uint32_t(i)); });
-  }
-  Eigen::Matrix3Xd velocities(std::size_t body) const override {
-    const SoftBody& soft = *soft_.body(body);
-    return columns(soft.pointCount(), [&](std::size_t i) { return soft.velocity(std::uint32_t(i)); });
-  }
-  int substeps(std::size_t body) const { return soft_.body(body)->substeps(); }
-  void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
-    pinned ? soft_.body(body)->pin(point) : soft_.body(body)->unpin(point);
-  }
-  void addSpring(BodyPoint a, BodyPoint b, const SpringSettings& settings) override;
-
- private:
-  TuneSettings tune_;
-  std::map<std::string, std::string> values_;  // of set(), after tune_
-  scenes::SceneWorld world_;
-  SoftBodySystem soft_{world_.dynamics};
-};
-
 /// Sets given positions and velocities. Requests points only if these are given: points cost less while they
 /// are not exposed.
 void setInitialState(SoftBody& body, const BodySetup& setup) {
@@ -91,69 +58,63 @@ void change(SoftBodySettings& settings, const std::string& key, const std::strin
   if (key == "collision") settings.collision = value == "points" ? Collision::Points : Collision::Surface;
 }
 
-std::size_t LimberEngine::addBody(const BodySetup& setup) {
-  SoftBodySettings settings = setup.settings;
-  // scenes and reference solutions have springs only and no air, as all other engines
-  settings.volumeModulus = 0.0;
-  settings.flow.drag = settings.flow.linearDrag = 0.0;
-  if (tune_) tune_(settings);
-  for (const auto& [key, value] : values_) change(settings, key, value);
-  SoftBody& body = *valueOf(soft_.createBody(setup.network, settings));
-  setInitialState(body, setup);
-  if (!setup.maySleep) keepAwake(body);
-  for (const std::uint32_t pin : setup.pins) body.pin(pin);
-  return soft_.bodyCount() - 1;
-}
+class LimberEngine final : public Engine {
+ public:
+  explicit LimberEngine(TuneSettings tune, ParallelFor parallelFor = {}) : tune_(std::move(tune)) {
+    soft_.setParallelFor(std::move(parallelFor));
+  }
 
-void LimberEngine::addSpring(BodyPoint a, BodyPoint b, const SpringSettings& settings) {
-  const auto end = [&](BodyPoint p) { return SpringEnd{soft_.body(p.body)->point(p.point)}; };
-  valueOf(soft_.addSpring(end(a), end(b), settings));
-}
+  btDiscreteDynamicsWorld& world() override { return world_.dynamics; }
+  void set(const std::string& key, const std::string& value) override { values_[key] = value; }
+  std::size_t addBody(const BodySetup& setup) override {
+    SoftBodySettings settings = setup.settings;
+    // scenes and reference solutions have springs only and no air, as all other engines
+    settings.volumeModulus = 0.0;
+    settings.flow.drag = settings.flow.linearDrag = 0.0;
+    if (tune_) tune_(settings);
+    for (const auto& [key, value] : values_) change(settings, key, value);
+    SoftBody& body = *valueOf(soft_.createBody(setup.network, settings));
+    setInitialState(body, setup);
+    if (!setup.maySleep) keepAwake(body);
+    for (const std::uint32_t pin : setup.pins) body.pin(pin);
+    return soft_.bodyCount() - 1;
+  }
+  void tick(double dt) override { world().stepSimulation(static_cast<btScalar>(dt), 0); }
+  double stepMicroseconds() const override { return 1e3 * soft_.profile().stepMs; }
+  double untoldImpulse() const override {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < soft_.bodyCount(); ++i)
+      if (soft_.body(i)->surfaceObject())
+        for (const SoftContact& contact : soft_.body(i)->contacts()) sum += contact.normalImpulse;
+    return sum;
+  }
+  Eigen::Matrix3Xd positions(std::size_t body) const override {
+    const SoftBody& soft = *soft_.body(body);
+    return columns(soft.pointCount(), [&](std::size_t i) { return soft.position(std::uint32_t(i)); });
+  }
+  Eigen::Matrix3Xd velocities(std::size_t body) const override {
+    const SoftBody& soft = *soft_.body(body);
+    return columns(soft.pointCount(), [&](std::size_t i) { return soft.velocity(std::uint32_t(i)); });
+  }
+  int substeps(std::size_t body) const { return soft_.body(body)->substeps(); }
+  void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
+    pinned ? soft_.body(body)->pin(point) : soft_.body(body)->unpin(point);
+  }
+  void addSpring(BodyPoint a, BodyPoint b, const SpringSettings& settings) override {
+    const auto end = [&](BodyPoint p) { return SpringEnd{soft_.body(p.body)->point(p.point)}; };
+    valueOf(soft_.addSpring(end(a), end(b), settings));
+  }
 
-double LimberEngine::untoldImpulse() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < soft_.bodyCount(); ++i)
-    if (soft_.body(i)->surfaceObject())
-      for (const SoftContact& contact : soft_.body(i)->contacts()) sum += contact.normalImpulse;
-  return sum;
-}
+ private:
+  TuneSettings tune_;
+  std::map<std::string, std::string> values_;  // of set(), after tune_
+  scenes::SceneWorld world_;
+  SoftBodySystem soft_{world_.dynamics};
+};
 
 // --- loose spheres ---
 
 using Spheres = std::vector<std::unique_ptr<btRigidBody>>;
-
-class BareEngine final : public Engine {
- public:
-  btDiscreteDynamicsWorld& world() override { return world_.dynamics; }
-  void set(const std::string&, const std::string&) override {}
-  std::size_t addBody(const BodySetup& setup) override;
-  void tick(double dt) override { world().stepSimulation(static_cast<btScalar>(dt), 0); }
-  double stepMicroseconds() const override { return 0.0; }
-  Eigen::Matrix3Xd positions(std::size_t body) const override {
-    const Spheres& all = bodies_[body];
-    return columns(all.size(),
-                   [&](std::size_t i) { return fromBullet(all[i]->getWorldTransform().getOrigin()); });
-  }
-  Eigen::Matrix3Xd velocities(std::size_t body) const override {
-    const Spheres& all = bodies_[body];
-    return columns(all.size(), [&](std::size_t i) { return fromBullet(all[i]->getLinearVelocity()); });
-  }
-  void setPinned(std::size_t body, std::uint32_t point, bool pinned) override;
-
- private:
-  btSphereShape& shapeOf(double radius);
-
-  // the world is the last member, so it is destroyed first, while its objects still exist
-  std::map<double, std::unique_ptr<btSphereShape>> shapes_;
-  std::vector<Spheres> bodies_;
-  scenes::SceneWorld world_;
-};
-
-btSphereShape& BareEngine::shapeOf(double radius) {
-  std::unique_ptr<btSphereShape>& shape = shapes_[radius];
-  if (!shape) shape = std::make_unique<btSphereShape>(static_cast<btScalar>(radius));
-  return *shape;
-}
 
 std::unique_ptr<btRigidBody> makeSphere(btSphereShape& shape, double mass, const SoftBodySettings& settings) {
   btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass), nullptr, &shape);
@@ -165,28 +126,55 @@ std::unique_ptr<btRigidBody> makeSphere(btSphereShape& shape, double mass, const
   return sphere;
 }
 
-std::size_t BareEngine::addBody(const BodySetup& setup) {
-  const BodyStart start = startOf(setup);
-  btSphereShape& shape = shapeOf(pointRadius(*setup.network, setup.settings));
-  Spheres& spheres = bodies_.emplace_back();
-  for (Eigen::Index i = 0; i < start.positions.cols(); ++i) {
-    spheres.push_back(makeSphere(shape, start.masses[i], setup.settings));
-    btRigidBody& sphere = *spheres.back();
-    sphere.setWorldTransform(btTransform(btQuaternion::getIdentity(), toBullet(start.positions.col(i))));
-    sphere.setLinearVelocity(toBullet(start.velocities.col(i)));
-    if (!setup.maySleep) sphere.setActivationState(DISABLE_DEACTIVATION);
-    world().addRigidBody(&sphere);
+class BareEngine final : public Engine {
+ public:
+  btDiscreteDynamicsWorld& world() override { return world_.dynamics; }
+  void set(const std::string&, const std::string&) override {}
+  std::size_t addBody(const BodySetup& setup) override {
+    const BodyStart start = startOf(setup);
+    btSphereShape& shape = shapeOf(pointRadius(*setup.network, setup.settings));
+    Spheres& spheres = bodies_.emplace_back();
+    for (Eigen::Index i = 0; i < start.positions.cols(); ++i) {
+      spheres.push_back(makeSphere(shape, start.masses[i], setup.settings));
+      btRigidBody& sphere = *spheres.back();
+      sphere.setWorldTransform(btTransform(btQuaternion::getIdentity(), toBullet(start.positions.col(i))));
+      sphere.setLinearVelocity(toBullet(start.velocities.col(i)));
+      if (!setup.maySleep) sphere.setActivationState(DISABLE_DEACTIVATION);
+      world().addRigidBody(&sphere);
+    }
+    for (const std::uint32_t pin : setup.pins) setPinned(bodies_.size() - 1, pin, true);
+    return bodies_.size() - 1;
   }
-  for (const std::uint32_t pin : setup.pins) setPinned(bodies_.size() - 1, pin, true);
-  return bodies_.size() - 1;
-}
+  void tick(double dt) override { world().stepSimulation(static_cast<btScalar>(dt), 0); }
+  double stepMicroseconds() const override { return 0.0; }
+  Eigen::Matrix3Xd positions(std::size_t body) const override {
+    const Spheres& all = bodies_[body];
+    return columns(all.size(),
+                   [&](std::size_t i) { return fromBullet(all[i]->getWorldTransform().getOrigin()); });
+  }
+  Eigen::Matrix3Xd velocities(std::size_t body) const override {
+    const Spheres& all = bodies_[body];
+    return columns(all.size(), [&](std::size_t i) { return fromBullet(all[i]->getLinearVelocity()); });
+  }
+  void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
+    btRigidBody& sphere = *bodies_[body][point];
+    const btScalar free = pinned ? btScalar(0) : btScalar(1);
+    sphere.setLinearFactor(btVector3(free, free, free));
+    if (pinned) sphere.setLinearVelocity(btVector3(0, 0, 0));
+  }
 
-void BareEngine::setPinned(std::size_t body, std::uint32_t point, bool pinned) {
-  btRigidBody& sphere = *bodies_[body][point];
-  const btScalar free = pinned ? btScalar(0) : btScalar(1);
-  sphere.setLinearFactor(btVector3(free, free, free));
-  if (pinned) sphere.setLinearVelocity(btVector3(0, 0, 0));
-}
+ private:
+  btSphereShape& shapeOf(double radius) {
+    std::unique_ptr<btSphereShape>& shape = shapes_[radius];
+    if (!shape) shape = std::make_unique<btSphereShape>(static_cast<btScalar>(radius));
+    return *shape;
+  }
+
+  // the world is the last member, so it is destroyed first, while its objects still exist
+  std::map<double, std::unique_ptr<btSphereShape>> shapes_;
+  std::vector<Spheres> bodies_;
+  scenes::SceneWorld world_;
+};
 
 }  // namespace
 

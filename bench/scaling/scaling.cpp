@@ -339,28 +339,12 @@ struct Run {
   double secondsLeft() const { return 60.0 * options.minutes - watch.seconds(); }
 };
 
-std::vector<ModeSearch> startSearches(const ScalingOptions& options, const std::vector<Mode>& modes) {
-  CountSearchSettings settings;
-  settings.always = kPaperCount;
-  settings.cap = options.maxBodies;
-  std::vector<ModeSearch> searches;
-  for (const Mode mode : modes) searches.push_back({mode, CountSearch(settings)});
-  return searches;
-}
-
 Recording measureAndKeep(Mode mode, std::uint32_t count, const RowLimits& limits, Run& run) {
   Recording row = measureRow(run.options, mode, count, limits, run.progress);
   addRow(row, run.results);
   run.progress.finish(format("%-9s %5u cubes: tick %.3f ms, %.2f x real time%s", settingOf(mode).c_str(),
                              row.bodies, mean(row.ticks), realTime(row), row.complete ? "" : " (given up)"));
   return row;
-}
-
-void advance(ModeSearch& search, double seconds, Run& run) {
-  const std::uint32_t count = *search.search.next();
-  const RowLimits limits{count > kPaperCount, seconds};
-  const Recording row = measureAndKeep(search.mode, count, limits, run);
-  search.search.report(realTime(row) >= 1.0);
 }
 
 std::ptrdiff_t countUnfinished(const std::vector<ModeSearch>& searches) {
@@ -373,7 +357,10 @@ void searchAll(std::vector<ModeSearch>& searches, Run& run) {
     for (ModeSearch& search : searches) {
       if (search.isOver()) continue;
       const double share = run.secondsLeft() / static_cast<double>(countUnfinished(searches));
-      if (share > 0.0) advance(search, share, run);
+      if (share <= 0.0) return;
+      const std::uint32_t count = *search.search.next();
+      const Recording row = measureAndKeep(search.mode, count, {count > kPaperCount, share}, run);
+      search.search.report(realTime(row) >= 1.0);
     }
   }
 }
@@ -410,7 +397,9 @@ void runScaling(const Options& options, Results& results) {
   for (const double count : options.numbers("counts", {}))
     for (const Mode mode : modes) measureAndKeep(mode, static_cast<std::uint32_t>(count), RowLimits(), run);
   if (!options.word("counts").empty()) return;
-  std::vector<ModeSearch> searches = startSearches(own, modes);
+  std::vector<ModeSearch> searches;
+  for (const Mode mode : modes)
+    searches.push_back({mode, CountSearch(CountSearchSettings{kPaperCount, own.maxBodies})});
   searchAll(searches, run);
   for (const ModeSearch& search : searches) addEnd(search, results);
 }

@@ -129,18 +129,19 @@ void setObstacle(HardCase& hard, Obstacle obstacle, double scale) {
   hard.allowed = [=](const Eigen::Vector3d& x) { return outside(obstacle, scale, x) >= -maxDepth; };
 }
 
-double Press::heightAt(double time) const {
-  const double downHeight = std::max(gap, top - down * time);
-  return downHeight + up * std::max(0.0, time - leaves());
-}
-
-void addPress(HardCase& hard, const Press& press) {
-  const double half = 0.5;
-  const auto centreAt = [=](double time) { return Eigen::Vector3d(0, press.heightAt(time) + half, 0); };
+void addPress(HardCase& hard, double gap) {
+  constexpr double kTop = 1.3;              // m, initial height of its lower face
+  constexpr double kDown = 1.0, kUp = 4.0;  // m/s
+  constexpr double kHalf = 0.5;             // m, half its thickness
+  const double leaves = (kTop - gap) / kDown + 0.5;
+  const auto centreAt = [=](double time) {
+    const double lower = std::max(gap, kTop - kDown * time) + kUp * std::max(0.0, time - leaves);
+    return Eigen::Vector3d(0, lower + kHalf, 0);
+  };
   const auto addFirst = hard.addRigidBodies;
   hard.addRigidBodies = [=](RigidBodies& rigid) {
     addFirst(rigid);
-    btRigidBody& plate = addBox(rigid, {kBoxExtent, half, kBoxExtent}, 0, centreAt(0.0), kFriction);
+    btRigidBody& plate = addBox(rigid, {kBoxExtent, kHalf, kBoxExtent}, 0, centreAt(0.0), kFriction);
     rigid.world->removeRigidBody(&plate);
     plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     plate.setActivationState(DISABLE_DEACTIVATION);
@@ -150,7 +151,7 @@ void addPress(HardCase& hard, const Press& press) {
     rigid.bodies.back()->setWorldTransform(
         btTransform(btQuaternion::getIdentity(), toBullet(centreAt(time))));
   };
-  hard.energyFrom = press.leaves();
+  hard.energyFrom = leaves;
 }
 
 void addFallingBox(HardCase& hard, double mass, double height) {

@@ -39,18 +39,13 @@ void EnergyBalance::addPotential(double mass, const Eigen::Vector3d& x, Energy& 
   sum.rounding += mass * hard_.gravity.norm() * kUnit * x.norm();
 }
 
-void EnergyBalance::addPoints(const BodyStates& states, std::size_t body, Energy& sum) const {
+void EnergyBalance::addBody(const BodyStates& states, std::size_t body, Energy& sum) const {
   const Eigen::Matrix3Xd &x = states.positions[body], &v = states.velocities[body];
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double mass = starts_[body].masses[i];
-    addKinetic(0.5 * mass * v.col(i).squaredNorm(), sum);
-    addPotential(mass, x.col(i), sum);
-  }
-}
-
-void EnergyBalance::addSprings(const BodyStates& states, std::size_t body, Energy& sum) const {
   const BodyStart& start = starts_[body];
-  const Eigen::Matrix3Xd& x = states.positions[body];
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    addKinetic(0.5 * start.masses[i] * v.col(i).squaredNorm(), sum);
+    addPotential(start.masses[i], x.col(i), sum);
+  }
   const auto& springs = hard_.bodies[body].network->springs;
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto i = static_cast<Eigen::Index>(s);
@@ -70,10 +65,7 @@ void EnergyBalance::addRigid(const btRigidBody& body, Energy& sum) const {
 
 Energy EnergyBalance::energy(const BodyStates& states, const RigidBodies& rigid) const {
   Energy sum;
-  for (std::size_t body = 0; body < starts_.size(); ++body) {
-    addPoints(states, body, sum);
-    addSprings(states, body, sum);
-  }
+  for (std::size_t body = 0; body < starts_.size(); ++body) addBody(states, body, sum);
   for (const ExtraSpring& spring : hard_.springs)
     addSpring(spring.settings.stiffness, spring.settings.restLength.value(),
               states.positions[spring.a.body].col(spring.a.point),

@@ -265,11 +265,9 @@ HardCase crushed(double k, double damping, unsigned seed) {
   cube.settings.position = {0, 0.5 + 1.5 * radius, 0};
   HardCase hard = caseOf("crush", format("k %.0e x %.0e", k, damping), seed, cube);
   setObstacle(hard, Obstacle::Box);
-  Press press;
-  press.gap = 2.5 * radius;
-  addPress(hard, press);
+  addPress(hard, 2.5 * radius);
   letSettle(hard);
-  hard.seconds = wholeTicks(press.leaves() + std::max(2.0, hard.seconds));
+  hard.seconds = wholeTicks(hard.energyFrom + std::max(2.0, hard.seconds));
   return hard;
 }
 

@@ -35,84 +35,6 @@ std::vector<Check> checksOf(const CaseResult& r) {
 
 constexpr double kMaxDistance = 1e6;  // multiple of the size
 
-class CaseRun {
- public:
-  /// Throws std::runtime_error if the engine does not support the case.
-  CaseRun(const HardCase& hard, const EngineChoice& choice, double dt);
-
-  void play(CaseResult& row, std::FILE* trace);
-
- private:
-  void startBalance();
-  void measure(CaseResult& row);
-  void measureSpin(CaseResult& row);
-  /// Returns the spin about the centre of mass of the first body. Its change is only measured in cases with
-  /// one body.
-  Spin spinNow() const {
-    return spinOf(balance_.start(0).masses, states_.positions[0], states_.velocities[0]);
-  }
-  void judgeEnd(CaseResult& row) const;
-  void print(std::FILE* trace) const;
-
-  const HardCase& hard_;
-  double dt_, time_ = 0.0;
-  EnergyBalance balance_;
-  RigidBodies rigid_;  // before the engine: its world refers to them
-  std::unique_ptr<Engine> engine_;
-  BodyStates states_;
-  bool balanceStarted_ = false, lost_ = false;
-  Energy energy_, startEnergy_;                // J, now and when the balance started
-  double largestExcess_ = -1e300;              // J, excess over the limit, minus rounding
-  Eigen::Vector3d momentum_;                   // kg m/s, at the start
-  double momentumScale_ = 0.0, change_ = 0.0;  // kg m/s
-  Eigen::Vector3d spin_;                       // kg m^2/s, at the start
-  double spinScale_ = 0.0, spinChange_ = 0.0;  // kg m^2/s
-};
-
-CaseRun::CaseRun(const HardCase& hard, const EngineChoice& choice, double dt)
-    : hard_(hard), dt_(dt), balance_(hard) {
-  if (!hard.sees && choice.engine == "btSoftBody") throw std::runtime_error("btSoftBody does not see planes");
-  engine_ = open(hard, choice, dt, rigid_);
-  for (const ExtraSpring& spring : hard.springs) engine_->addSpring(spring.a, spring.b, spring.settings);
-  states_ = statesOf(hard, *engine_);
-  momentum_ = balance_.momentum(states_);
-  momentumScale_ = balance_.momentumScale(states_);
-  spin_ = spinNow().momentum;
-  if (hard.energyFrom <= 0.0) startBalance();
-}
-
-void CaseRun::startBalance() {
-  balanceStarted_ = true;
-  startEnergy_ = energy_ = balance_.energy(states_, rigid_);
-}
-
-void CaseRun::measure(CaseResult& row) {
-  energy_ = balance_.energy(states_, rigid_);
-  const double excess =
-      energy_.value - energy_.rounding - kEnergyTarget * (startEnergy_.value + startEnergy_.rounding);
-  if (balanceStarted_ && excess > largestExcess_) {
-    largestExcess_ = excess;
-    row.energyRatio = energy_.value / startEnergy_.value;
-    row.rounding = (energy_.rounding + kEnergyTarget * startEnergy_.rounding) / startEnergy_.value;
-  }
-  momentumScale_ = std::max(momentumScale_, balance_.momentumScale(states_));
-  change_ = std::max(change_, (balance_.momentum(states_) - momentum_).norm());
-  if (row.drift) row.drift = change_ / momentumScale_;
-  measureSpin(row);
-}
-
-/// Measures the change of spin. It is relative to the largest spin that the points could have at a distance
-/// of one size from the centre with all the energy of the start, size * sqrt(2 m E), or to the observed one
-/// if that is larger: stiff damped bodies come to rest between two ticks.
-void CaseRun::measureSpin(CaseResult& row) {
-  if (!row.spinDrift) return;
-  const Spin spin = spinNow();
-  const double possible = hard_.size * std::sqrt(2.0 * balance_.start(0).masses.sum() * startEnergy_.value);
-  spinScale_ = std::max({spinScale_, spin.scale, possible});
-  spinChange_ = std::max(spinChange_, (spin.momentum - spin_).norm());
-  row.spinDrift = spinScale_ > 0.0 ? spinChange_ / spinScale_ : 0.0;
-}
-
 /// Checks that were not reached count as failures.
 void setLost(const HardCase& hard, CaseResult& row) {
   row.finite = false;
@@ -143,46 +65,111 @@ bool coincide(const Eigen::Matrix3Xd& x, double size) {
   return false;
 }
 
-void CaseRun::judgeEnd(CaseResult& row) const {
-  if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
-  // free bodies must not start to spin
-  const bool spun = row.shape && row.shape->shape == Shape::Spinning && hard_.freeFlight;
-  const bool leftSaddle = row.shape && row.shape->shape == Shape::Saddle && !hard_.startsInBalance;
-  if (spun || leftSaddle) row.shape->shape = Shape::Lost;
-  const bool lost = row.shape && row.shape->shape == Shape::Lost;
-  if (lost && hard_.startsInBalance && coincide(states_.positions[0], hard_.size))
-    row.shape->shape = Shape::Saddle;
-  if (!hard_.allowed) return;
-  row.wrongSide = 0.0;
-  for (const Eigen::Matrix3Xd& points : states_.positions)
-    for (Eigen::Index i = 0; i < points.cols(); ++i) *row.wrongSide += !hard_.allowed(points.col(i));
-}
-
-void CaseRun::print(std::FILE* trace) const {
-  double fastest = 0.0, low = kLost;
-  for (const Eigen::Matrix3Xd& v : states_.velocities)
-    fastest = std::max(fastest, v.colwise().norm().maxCoeff());
-  for (const Eigen::Matrix3Xd& x : states_.positions) low = std::min(low, x.row(1).minCoeff());
-  std::fprintf(trace, "%.5f %.9g %.3e %.6g %.6g\n", time_,
-               balanceStarted_ ? energy_.value / startEnergy_.value : energy_.value, change_ / momentumScale_,
-               fastest, low);
-}
-
-void CaseRun::play(CaseResult& row, std::FILE* trace) {
-  const long ticks = std::lround(hard_.seconds / dt_);
-  for (long i = 1; i <= ticks && !lost_; ++i) {
-    time_ = static_cast<double>(i) * dt_;
-    if (hard_.drive) hard_.drive(rigid_, time_);
-    engine_->tick(dt_);
-    states_ = statesOf(hard_, *engine_);
-    lost_ = isLost(states_, kMaxDistance * hard_.size);
-    if (lost_) break;
-    if (!balanceStarted_ && time_ >= hard_.energyFrom) startBalance();
-    measure(row);
-    if (trace) print(trace);
+class CaseRun {
+ public:
+  /// Throws std::runtime_error if the engine does not support the case.
+  CaseRun(const HardCase& hard, const EngineChoice& choice, double dt)
+      : hard_(hard), dt_(dt), balance_(hard) {
+    if (!hard.sees && choice.engine == "btSoftBody")
+      throw std::runtime_error("btSoftBody does not see planes");
+    engine_ = open(hard, choice, dt, rigid_);
+    for (const ExtraSpring& spring : hard.springs) engine_->addSpring(spring.a, spring.b, spring.settings);
+    states_ = statesOf(hard, *engine_);
+    momentum_ = balance_.momentum(states_);
+    momentumScale_ = balance_.momentumScale(states_);
+    spin_ = spinNow().momentum;
+    if (hard.energyFrom <= 0.0) startBalance();
   }
-  lost_ ? setLost(hard_, row) : judgeEnd(row);
-}
+
+  void play(CaseResult& row, std::FILE* trace) {
+    const long ticks = std::lround(hard_.seconds / dt_);
+    for (long i = 1; i <= ticks && !lost_; ++i) {
+      time_ = static_cast<double>(i) * dt_;
+      if (hard_.drive) hard_.drive(rigid_, time_);
+      engine_->tick(dt_);
+      states_ = statesOf(hard_, *engine_);
+      lost_ = isLost(states_, kMaxDistance * hard_.size);
+      if (lost_) break;
+      if (!balanceStarted_ && time_ >= hard_.energyFrom) startBalance();
+      measure(row);
+      if (trace) print(trace);
+    }
+    lost_ ? setLost(hard_, row) : judgeEnd(row);
+  }
+
+ private:
+  void startBalance() {
+    balanceStarted_ = true;
+    startEnergy_ = energy_ = balance_.energy(states_, rigid_);
+  }
+  void measure(CaseResult& row) {
+    energy_ = balance_.energy(states_, rigid_);
+    const double excess =
+        energy_.value - energy_.rounding - kEnergyTarget * (startEnergy_.value + startEnergy_.rounding);
+    if (balanceStarted_ && excess > largestExcess_) {
+      largestExcess_ = excess;
+      row.energyRatio = energy_.value / startEnergy_.value;
+      row.rounding = (energy_.rounding + kEnergyTarget * startEnergy_.rounding) / startEnergy_.value;
+    }
+    momentumScale_ = std::max(momentumScale_, balance_.momentumScale(states_));
+    change_ = std::max(change_, (balance_.momentum(states_) - momentum_).norm());
+    if (row.drift) row.drift = change_ / momentumScale_;
+    measureSpin(row);
+  }
+  /// Measures the change of spin. It is relative to the largest spin that the points could have at a distance
+  /// of one size from the centre with all the energy of the start, size * sqrt(2 m E), or to the observed one
+  /// if that is larger: stiff damped bodies come to rest between two ticks.
+  void measureSpin(CaseResult& row) {
+    if (!row.spinDrift) return;
+    const Spin spin = spinNow();
+    const double possible = hard_.size * std::sqrt(2.0 * balance_.start(0).masses.sum() * startEnergy_.value);
+    spinScale_ = std::max({spinScale_, spin.scale, possible});
+    spinChange_ = std::max(spinChange_, (spin.momentum - spin_).norm());
+    row.spinDrift = spinScale_ > 0.0 ? spinChange_ / spinScale_ : 0.0;
+  }
+  /// Returns the spin about the centre of mass of the first body. Its change is only measured in cases with
+  /// one body.
+  Spin spinNow() const {
+    return spinOf(balance_.start(0).masses, states_.positions[0], states_.velocities[0]);
+  }
+  void judgeEnd(CaseResult& row) const {
+    if (hard_.recovers) row.shape = worstShape(hard_, balance_, states_);
+    // free bodies must not start to spin
+    const bool spun = row.shape && row.shape->shape == Shape::Spinning && hard_.freeFlight;
+    const bool leftSaddle = row.shape && row.shape->shape == Shape::Saddle && !hard_.startsInBalance;
+    if (spun || leftSaddle) row.shape->shape = Shape::Lost;
+    const bool lost = row.shape && row.shape->shape == Shape::Lost;
+    if (lost && hard_.startsInBalance && coincide(states_.positions[0], hard_.size))
+      row.shape->shape = Shape::Saddle;
+    if (!hard_.allowed) return;
+    row.wrongSide = 0.0;
+    for (const Eigen::Matrix3Xd& points : states_.positions)
+      for (Eigen::Index i = 0; i < points.cols(); ++i) *row.wrongSide += !hard_.allowed(points.col(i));
+  }
+  void print(std::FILE* trace) const {
+    double fastest = 0.0, low = kLost;
+    for (const Eigen::Matrix3Xd& v : states_.velocities)
+      fastest = std::max(fastest, v.colwise().norm().maxCoeff());
+    for (const Eigen::Matrix3Xd& x : states_.positions) low = std::min(low, x.row(1).minCoeff());
+    std::fprintf(trace, "%.5f %.9g %.3e %.6g %.6g\n", time_,
+                 balanceStarted_ ? energy_.value / startEnergy_.value : energy_.value,
+                 change_ / momentumScale_, fastest, low);
+  }
+
+  const HardCase& hard_;
+  double dt_, time_ = 0.0;
+  EnergyBalance balance_;
+  RigidBodies rigid_;  // before the engine: its world refers to them
+  std::unique_ptr<Engine> engine_;
+  BodyStates states_;
+  bool balanceStarted_ = false, lost_ = false;
+  Energy energy_, startEnergy_;                // J, now and when the balance started
+  double largestExcess_ = -1e300;              // J, excess over the limit, minus rounding
+  Eigen::Vector3d momentum_;                   // kg m/s, at the start
+  double momentumScale_ = 0.0, change_ = 0.0;  // kg m/s
+  Eigen::Vector3d spin_;                       // kg m^2/s, at the start
+  double spinScale_ = 0.0, spinChange_ = 0.0;  // kg m^2/s
+};
 
 // --- the bench ---
 

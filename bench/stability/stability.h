@@ -82,19 +82,9 @@ const char* nameOf(Obstacle obstacle);
 /// slope down at 45 degrees on both sides.
 void setObstacle(HardCase& hard, Obstacle obstacle, double scale = 1.0);
 
-/// A kinematic plate above the floor. It moves down, stops, and moves up faster than it came down.
-struct Press {
-  double top = 1.3;             ///< m, initial height of its lower face
-  double gap = 0.1;             ///< m, smallest distance from the floor
-  double down = 1.0, up = 4.0;  ///< m/s
-  double stay = 0.5;            ///< s
-
-  double leaves() const { return (top - gap) / down + stay; }  ///< s
-  double heightAt(double time) const;                          ///< m, of its lower face
-};
-
-/// Adds the press to a case whose only rigid body is its obstacle.
-void addPress(HardCase& hard, const Press& press);
+/// Adds a kinematic plate to a case whose only rigid body is its obstacle. It moves down from above the floor
+/// to a distance of `gap` (m), stays, and moves up faster than it came down; from then on energy is balanced.
+void addPress(HardCase& hard, double gap);
 
 /// Adds a box of this mass that falls onto the case's body. `height` is the initial height of its lower face.
 void addFallingBox(HardCase& hard, double mass, double height);
@@ -131,8 +121,7 @@ class EnergyBalance {
   const BodyStart& start(std::size_t body) const { return starts_[body]; }
 
  private:
-  void addPoints(const BodyStates& states, std::size_t body, Energy& sum) const;
-  void addSprings(const BodyStates& states, std::size_t body, Energy& sum) const;
+  void addBody(const BodyStates& states, std::size_t body, Energy& sum) const;
   void addRigid(const btRigidBody& body, Energy& sum) const;
   void addPotential(double mass, const Eigen::Vector3d& x, Energy& sum) const;
 
