@@ -23,11 +23,11 @@ struct Trace {
   const Frame& last() const { return frames.back(); }
 };
 
-/// Returns the values of valueOf(frame).
-template <class ValueOf>
-Signal signalOf(const Trace& trace, ValueOf valueOf) {
+/// Returns the values of read(frame).
+template <class Read>
+Signal signalOf(const Trace& trace, Read read) {
   Signal signal{trace.dt, {}};
-  for (const Frame& frame : trace.frames) signal.samples.push_back(valueOf(frame));
+  for (const Frame& frame : trace.frames) signal.samples.push_back(read(frame));
   return signal;
 }
 

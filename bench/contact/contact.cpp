@@ -38,10 +38,6 @@ ContactStage::ContactStage(const ContactScene& scene, const EngineChoice& choice
   for (const BodySetup& body : scene.bodies) points_ += body.network->restPoints.size();
 }
 
-ContactStage::~ContactStage() {
-  for (auto& body : rigid_.bodies) engine_->world().removeRigidBody(body.get());
-}
-
 void ContactStage::tick() {
   if (done_ + 1 == scene_.settleTicks + scene_.measuredTicks)
     before_ = allPositions(*engine_, scene_.bodies.size());

@@ -14,18 +14,9 @@ namespace limber::bench {
 /// The behaviour of bodies in a scene.
 enum class Role : std::uint8_t { Airborne, Landing, Rest, Asleep, Cloth, Pile, Dense };
 
-/// Number of bodies of the scenes with cubes. Quick runs have fewer of each.
-enum class Crowd : std::uint8_t {
-  Small,    ///< 64, and the stiff cloth
-  Middle,   ///< 512, and the soft cloth
-  Large,    ///< 4096, and the stiffest cloth
-  RealTime  ///< 2560, at rest only
-};
-
 /// A situation whose cost is measured, the same for all engines.
 struct ContactScene : Scenario {
   Role role = Role::Rest;
-  Crowd crowd = Crowd::Small;
   std::function<double(const Eigen::Vector3d&)>
       distance;          ///< m, of a point from the rigid bodies; negative inside
   double size = 1.0;     ///< m, of a body
@@ -58,9 +49,6 @@ class ContactStage {
  public:
   /// Throws std::runtime_error with the reason if the engine does not support the scene.
   ContactStage(const ContactScene& scene, const EngineChoice& choice);
-  ~ContactStage();
-  ContactStage(const ContactStage&) = delete;
-  ContactStage& operator=(const ContactStage&) = delete;
 
   /// Runs `ticks` ticks, or fewer at the end of the scene. Gives up if all ticks take longer than `timeLimit`
   /// (s) or more than two seconds each.

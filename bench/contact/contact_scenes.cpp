@@ -28,11 +28,6 @@ constexpr double kDrop = 0.5;          // m
 constexpr double kClearance = 1e-3;    // m between a resting cube and the floor at first
 constexpr double kHigh = 100.0;        // m: no body comes near the floor during the measurement
 
-std::uint32_t countOf(Crowd crowd, bool quick) {
-  const std::uint32_t full[] = {64, 512, 4096, 2560}, few[] = {2, 4, 8, 6};
-  return (quick ? few : full)[static_cast<int>(crowd)];
-}
-
 double heightOf(Role role) {
   if (role == Role::Airborne) return kHigh;
   return role == Role::Landing ? kDrop : kClearance;
@@ -69,19 +64,16 @@ void setTimes(ContactScene& scene, bool quick) {
   if (quick && scene.role == Role::Airborne) scene.measuredTicks = 20;
 }
 
-ContactScene cubeScene(Role role, Crowd crowd, bool quick) {
-  const std::uint32_t count = countOf(crowd, quick);
+ContactScene cubeScene(Role role, std::uint32_t count, bool quick) {
   ContactScene scene;
   scene.name = std::to_string(count) + " cubes " + nameOf(role);
   scene.role = role;
-  scene.crowd = crowd;
   scene.bodies = cubes(role, count);
   const double halfWidth = 0.5 * kCubeSpacing * std::ceil(std::sqrt(double(count))) + 5.0;
   scene.addRigidBodies = [halfWidth](RigidBodies& rigid) {
     addBox(rigid, {halfWidth, 1, halfWidth}, 0, {0, -1, 0}, 0.5);
   };
   scene.distance = [](const Eigen::Vector3d& x) { return x.y(); };
-  scene.withOthers = crowd != Crowd::RealTime;
   setTimes(scene, quick);
   return scene;
 }
@@ -119,7 +111,7 @@ void addBallAndFloor(RigidBodies& rigid) {
 
 /// Returns a cloth that falls onto a ball and hangs down from it, above the floor. The ratio of the dampers
 /// to critical damping does not depend on the stiffness (N/m).
-ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd crowd) {
+ContactScene clothScene(bool quick, const char* name, double stiffness) {
   const int side = quick ? 12 : 64;
   BodySetup cloth = bodyOf(clothNetwork(side), 0.6, stiffness, 0.5 * std::sqrt(stiffness / 500.0));
   cloth.settings.scale.setConstant(kClothWidth);
@@ -130,7 +122,6 @@ ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd cr
   ContactScene scene;
   scene.name = name + std::to_string(side) + " x " + std::to_string(side);
   scene.role = Role::Cloth;
-  scene.crowd = crowd;
   scene.bodies = {cloth};
   scene.addRigidBodies = addBallAndFloor;
   scene.distance = [](const Eigen::Vector3d& x) { return std::min(x.norm() - kBallRadius, x.y() - kGround); };
@@ -240,14 +231,15 @@ ContactScene pileScene(bool quick) {
 }  // namespace
 
 std::vector<ContactScene> allContactScenes(bool quick) {
+  const std::vector<std::uint32_t> few = {2, 4, 8}, many = {64, 512, 4096};
   std::vector<ContactScene> scenes;
   for (const Role role : {Role::Airborne, Role::Landing, Role::Rest, Role::Asleep})
-    for (const Crowd crowd : {Crowd::Small, Crowd::Middle, Crowd::Large})
-      scenes.push_back(cubeScene(role, crowd, quick));
-  scenes.push_back(cubeScene(Role::Rest, Crowd::RealTime, quick));
-  scenes.push_back(clothScene(quick, "cloth of ", 500.0, Crowd::Small));
-  scenes.push_back(clothScene(quick, "soft cloth of ", 5.0, Crowd::Middle));
-  scenes.push_back(clothScene(quick, "stiff cloth of ", 5e4, Crowd::Large));
+    for (const std::uint32_t count : quick ? few : many) scenes.push_back(cubeScene(role, count, quick));
+  scenes.push_back(cubeScene(Role::Rest, quick ? 6 : 2560, quick));  // in real time
+  scenes.back().withOthers = false;
+  scenes.push_back(clothScene(quick, "cloth of ", 500.0));
+  scenes.push_back(clothScene(quick, "soft cloth of ", 5.0));
+  scenes.push_back(clothScene(quick, "stiff cloth of ", 5e4));
   scenes.push_back(denseScene(quick));
   scenes.push_back(pileScene(quick));
   return scenes;

@@ -125,10 +125,9 @@ std::array<ReturnRate, kDeformations> returnsOf(const SpringNetwork& network, st
 
 void addReturns(const Subject& subject, const std::array<ReturnRate, kDeformations>& rates,
                 Results& results) {
-  double runs = 0.0, returned = 0.0, worst = 100.0;
+  double runs = 0.0, returned = 0.0;
   for (std::size_t kind = 0; kind < kDeformations; ++kind) {
     runs += rates[kind].runs, returned += rates[kind].returned;
-    worst = std::min(worst, 100.0 * rates[kind].rate());
     results.add(subject, std::string("returns, ") + kKinds[kind], "%", 100.0 * rates[kind].rate());
   }
   results.add(subject, "returns", "%", runs > 0.0 ? 100.0 * returned / runs : 0.0);
