@@ -19,9 +19,14 @@ enum ExitCode : int { kSuccess = 0, kFailure = 1, kUsage = 2 };
 /// A setting that --set changes: a number from `low` to `high`, or one of `words`.
 struct Key {
   std::string name, about;
+  std::vector<std::string> words;
   double low = 0.0, high = 0.0;
-  std::vector<std::string> words = {};
   bool isList = false;  ///< several, separated by commas
+
+  Key(std::string key, std::string text, double from, double to, bool list = false)
+      : name(std::move(key)), about(std::move(text)), low(from), high(to), isList(list) {}
+  Key(std::string key, std::string text, std::vector<std::string> allowed, bool list = false)
+      : name(std::move(key)), about(std::move(text)), words(std::move(allowed)), isList(list) {}
 };
 
 /// The command line of a run.

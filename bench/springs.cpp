@@ -29,7 +29,6 @@ struct TestCube {
 };
 
 constexpr double kStiffness = 1000.0, kPointMass = 0.125;
-constexpr double kSprings = 28.0;  // of a cube
 
 SpringNetwork cubeOfAllPairs() {
   SpringNetwork network;
@@ -94,18 +93,18 @@ struct Method {
   std::vector<double> ns;  ///< per spring and substep, one for each repeat
 };
 
+Method method(const std::string& name, double damping, bool resting, int bodies) {
+  return {name, damping > 0.0, resting, 28.0 * bodies, {}, {}};
+}
+
 void addSingles(double damping, bool resting, std::vector<Method>& methods) {
   for (const bool four : {false, true}) {
     if (four && !canStepSpringBatches()) continue;
     auto cubes = std::make_shared<std::deque<TestCube>>(makeCubes(1, damping, resting));
     if (four) cubes->front().group.bodies[0].springBatches = &cubes->front().springBatches;
-    const auto run = [cubes] { stepVerlet(cubes->front().group, kTick, kSubsteps); };
-    methods.push_back({four ? "one body, four springs at a time (AVX2)" : "one body, spring by spring",
-                       damping > 0.0,
-                       resting,
-                       kSprings,
-                       run,
-                       {}});
+    methods.push_back(method(four ? "one body, four springs at a time (AVX2)" : "one body, spring by spring",
+                             damping, resting, 1));
+    methods.back().run = [cubes] { stepVerlet(cubes->front().group, kTick, kSubsteps); };
   }
 }
 
@@ -114,17 +113,13 @@ void addLanes(double damping, bool resting, std::vector<Method>& methods) {
     if (!isAvailable(set)) continue;
     auto cubes = std::make_shared<std::deque<TestCube>>(makeCubes(laneCount(set), damping, resting));
     auto scratch = std::make_shared<LaneScratch>();
-    const auto run = [cubes, scratch, set] {
+    methods.push_back(method(std::to_string(laneCount(set)) + " bodies in " + nameOf(set) + " lanes", damping,
+                             resting, laneCount(set)));
+    methods.back().run = [cubes, scratch, set] {
       std::vector<SolverBody*> bodies;
       for (TestCube& cube : *cubes) bodies.push_back(&cube.group.bodies[0]);
       stepLanes(bodies.data(), bodies.size(), *scratch, kTick, kSubsteps, set);
     };
-    methods.push_back({format("%d bodies in %s lanes", laneCount(set), nameOf(set)),
-                       damping > 0.0,
-                       resting,
-                       kSprings * laneCount(set),
-                       run,
-                       {}});
   }
 }
 

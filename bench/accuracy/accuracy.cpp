@@ -210,7 +210,7 @@ Bench accuracyBench() {
   return {"accuracy",
           "errors and times in scenes with a known outcome",
           "3 minutes",
-          withEngineKeys({{"ticks", "ticks per second", 1, 10000, {}, true}}),
+          withEngineKeys({{"ticks", "ticks per second", 1, 10000, true}}),
           [](const Options& options) { return namesOf(wantedMakers(options)); },
           &runAccuracy};
 }

@@ -42,16 +42,17 @@ Signal speedOf(const Signal& position) {
   return speed;
 }
 
-/// Returns the exact position of the mass centre at every millisecond.
-Signal exactPosition(const BodySetup& body, double seconds) {
-  const Wall wall{Eigen::Vector3d::UnitX(), kRadius};
-  const double h = 5e-6;
-  Signal position{200 * h, {startOf(body).positions.row(0).mean()}};
+/// Returns the exact mean position of the points, across the wall, every so many steps of h.
+Signal exactMotion(const BodySetup& body, const Eigen::Vector3d& gravity, const Wall& wall, double seconds,
+                   double h, int stepsPerSample) {
+  Eigen::Index axis = 0;
+  wall.normal.maxCoeff(&axis);
+  Signal motion{stepsPerSample * h, {startOf(body).positions.row(axis).mean()}};
   long step = 0;
-  integrateAgainst(systemOf(body, Eigen::Vector3d::Zero()), wall, seconds, h, [&](double, const State& s) {
-    if (++step % 200 == 0) position.samples.push_back(s.x.row(0).mean());
+  integrateAgainst(systemOf(body, gravity), wall, seconds, h, [&](double, const State& s) {
+    if (++step % stepsPerSample == 0) motion.samples.push_back(s.x.row(axis).mean());
   });
-  return position;
+  return motion;
 }
 
 /// Returns the signal sampled once per tick.
@@ -80,7 +81,8 @@ Scene againstWall(const SharedNetwork& network, double stiffness) {
   body.settings.linearVelocity.x() = -kSpeed;
   scene.bodies = {body};
   scene.addRigidBodies = [](RigidBodies& rigid) { addBox(rigid, {1, 2, 2}, 0, {-1, 0, 0}, 0); };
-  const Signal exactSignal = exactPosition(body, scene.seconds);
+  const Wall wall{Eigen::Vector3d::UnitX(), kRadius};
+  const Signal exactSignal = exactMotion(body, scene.gravity, wall, scene.seconds, 5e-6, 200);
   const auto errorOf = [exactSignal, mass = body.settings.totalMass](double Impact::*value) {
     return [=](const Trace& trace) {
       const Signal position = signalOf(trace, [](const Frame& frame) { return meanX(frame, 0); });
@@ -141,14 +143,8 @@ Scene droppedCube(int exponent) {
   body.settings.friction = 0.0;
   body.settings.position.y() = rest + 0.5;
   scene.bodies = {body};
-  Signal height{1e-3, {}};
-  const double h = 1e-6;
-  long step = 0;
-  integrateAgainst(systemOf(body, scene.gravity), {Eigen::Vector3d::UnitY(), radius}, scene.seconds, h,
-                   [&](double, const State& s) {
-                     if (++step % 1000 == 0) height.samples.push_back(s.x.row(1).mean());
-                   });
-  const double exact = reboundOf(height, rest);
+  const Wall floor{Eigen::Vector3d::UnitY(), radius};
+  const double exact = reboundOf(exactMotion(body, scene.gravity, floor, scene.seconds, 1e-6, 1000), rest);
   const auto error = [=](const Trace& trace) {
     const Signal heights = signalOf(trace, [](const Frame& f) { return f.positions[0].row(1).mean(); });
     return relativeError(reboundOf(heights, rest), exact);

@@ -367,18 +367,17 @@ void runContact(const Options& options, Results& results) {
 }  // namespace
 
 Bench contactBench() {
-  return {
-      "contact",
-      "time of bodies that fly, land, rest, sleep, drape and pile up",
-      "30 minutes",
-      withEngineKeys({{"repeats", "repeats of each scene", 1, 100},
-                      {"patience", "seconds of an engine for a repeat of a scene", 0.001, 1e6},
-                      {"stiffness", "N/m, of all springs", 0, 1e12},
-                      {"damping", "N s/m, of all springs", 0, 1e12},
-                      {"friction", "of all bodies", 0, 1e6},
-                      {"flags", "compare kinds of collision of btSoftBody instead", 0, 0, {"yes", "no"}}}),
-      [](const Options& options) { return namesOf(wantedContactScenes(options)); },
-      &runContact};
+  return {"contact",
+          "time of bodies that fly, land, rest, sleep, drape and pile up",
+          "30 minutes",
+          withEngineKeys({{"repeats", "repeats of each scene", 1, 100},
+                          {"patience", "seconds of an engine for a repeat of a scene", 0.001, 1e6},
+                          {"stiffness", "N/m, of all springs", 0, 1e12},
+                          {"damping", "N s/m, of all springs", 0, 1e12},
+                          {"friction", "of all bodies", 0, 1e6},
+                          {"flags", "compare kinds of collision of btSoftBody instead", {"yes", "no"}}}),
+          [](const Options& options) { return namesOf(wantedContactScenes(options)); },
+          &runContact};
 }
 
 }  // namespace limber::bench

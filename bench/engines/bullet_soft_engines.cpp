@@ -21,7 +21,6 @@ namespace {
 /// What Bullet's two worlds with soft bodies have in common.
 class BulletSoftEngine : public Engine {
  public:
-  double stepMicroseconds() const override { return -1.0; }
   Eigen::Matrix3Xd positions(std::size_t body) const override { return nodePositions(bodies_[body]); }
   Eigen::Matrix3Xd velocities(std::size_t body) const override { return nodeVelocities(bodies_[body]); }
   void setPinned(std::size_t body, std::uint32_t point, bool pinned) override {
@@ -124,7 +123,6 @@ class DeformableEngine final : public BulletSoftEngine {
   }
 
   btDiscreteDynamicsWorld& world() override { return world_; }
-  void set(const std::string&, const std::string&) override {}
   std::size_t addBody(const BodySetup& setup) override {
     const BodyStart start = startOf(setup);
     const double stiffness = commonStiffness(setup, start, false),

@@ -129,7 +129,6 @@ std::unique_ptr<btRigidBody> makeSphere(btSphereShape& shape, double mass, const
 class BareEngine final : public Engine {
  public:
   btDiscreteDynamicsWorld& world() override { return world_.dynamics; }
-  void set(const std::string&, const std::string&) override {}
   std::size_t addBody(const BodySetup& setup) override {
     const BodyStart start = startOf(setup);
     btSphereShape& shape = shapeOf(pointRadius(*setup.network, setup.settings));
@@ -251,15 +250,15 @@ std::vector<EngineChoice> wantedEngines(const std::vector<EngineChoice>& engines
 
 std::vector<Key> withEngineKeys(std::vector<Key> keys) {
   const std::vector<Key> engineKeys = {
-      {"stepper", "Limber's stepper", 0, 0, {"auto", "verlet", "midpoint", "newton"}},
+      {"stepper", "Limber's stepper", {"auto", "verlet", "midpoint", "newton"}},
       {"minSubsteps", "Limber's smallest number of substeps", 1, 10000},
       {"maxSubsteps", "Limber's largest number of substeps, 0: no limit", 0, 10000},
       {"periodTolerance", "Limber's tolerance of the fastest period", 1e-8, 1},
       {"relativeTolerance", "Limber's tolerance of the error, in sizes per second", 0, 1e6},
-      {"collision", "Limber's kind of collision", 0, 0, {"surface", "points"}},
+      {"collision", "Limber's kind of collision", {"surface", "points"}},
       {"iterations", "btSoftBody's iterations", 1, 1000},
       {"hardness", "btSoftBody's hardness of contacts, kKHR", 0, 1},
-      {"links", "btSoftBody's links, see LinkStiffness", 0, 0, {"full", "calibrated"}}};
+      {"links", "btSoftBody's links, see LinkStiffness", {"full", "calibrated"}}};
   keys.insert(keys.begin(), engineKeys.begin(), engineKeys.end());
   return keys;
 }

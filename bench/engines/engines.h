@@ -37,13 +37,13 @@ class Engine {
   /// Returns the world, for rigid bodies, which must outlive the engine, and to set gravity before addBody().
   virtual btDiscreteDynamicsWorld& world() = 0;
   /// Changes a setting of the bodies that are added from now on. Ignores keys of other engines.
-  virtual void set(const std::string& key, const std::string& value) = 0;
+  virtual void set(const std::string& /*key*/, const std::string& /*value*/) {}
   /// Returns its index. Throws std::runtime_error with the reason if the engine does not support the body.
   virtual std::size_t addBody(const BodySetup& setup) = 0;
   /// Advances the world by one tick of dt seconds.
   virtual void tick(double dt) = 0;
   /// Returns the springs' part of the last tick; negative: not measured separately, the whole tick counts.
-  virtual double stepMicroseconds() const = 0;
+  virtual double stepMicroseconds() const { return -1.0; }
 
   /// Returns the contact impulses (N s) of soft bodies in the last tick that Bullet's manifolds do not
   /// contain.

@@ -319,8 +319,6 @@ Bench networksBench() {
           "12 minutes",
           {{"part",
             "parts to measure",
-            0,
-            0,
             {"mechanisms", "returns", "masses", "skins", "materials", "large", "models"},
             true},
            {"runs", "runs per shape and rule", 1, 1e6},

@@ -340,8 +340,8 @@ Bench renderBench() {
   return {"render",
           "drawing of many bodies, beside the method of the paper and of Bullet's example browser",
           "8 minutes",
-          {{"part", "parts to measure", 0, 0, {"frames", "memory", "skins", "png"}, true},
-           {"context", "kind of OpenGL context", 0, 0, {"osmesa", "egl"}},
+          {{"part", "parts to measure", {"frames", "memory", "skins", "png"}, true},
+           {"context", "kind of OpenGL context", {"osmesa", "egl"}},
            {"blocks", "turns of each path", 1, 1000}},
           &caseNames,
           &runRender};

@@ -33,13 +33,6 @@ SharedNetwork coarseNetwork() {
   return valueOf(buildNetwork(meshOf(render::makeUvSphere({}, kRadius, 8, 14)), settings));
 }
 
-Eigen::Matrix3Xf restOf(const SpringNetwork& network) {
-  Eigen::Matrix3Xf rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)].cast<float>();
-  return rest;
-}
-
 /// The scene with its body's points and surface replaced by those of the network.
 FrameScene skinnedScene(const FrameScene& plain, const SpringNetwork& network) {
   FrameScene scene = plain;
@@ -52,7 +45,8 @@ FrameScene skinnedScene(const FrameScene& plain, const SpringNetwork& network) {
   scene.shape.vertexToPoint = network.render.vertexToPoint;
   for (const Triangle& t : network.render.triangles)
     scene.shape.triangles.insert(scene.shape.triangles.end(), t.begin(), t.end());
-  scene.rest = restOf(network);
+  const double* points = network.restPoints.front().data();
+  scene.rest = Eigen::Map<const Eigen::Matrix3Xd>(points, 3, scene.shape.pointCount).cast<float>();
   return scene;
 }
 

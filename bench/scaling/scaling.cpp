@@ -410,14 +410,14 @@ Bench scalingBench() {
   return {"scaling",
           "the paper's Tables 1 and 2: cubes until real time is lost",
           "12 minutes",
-          {{"counts", "measure these numbers of cubes instead of searching", 1, 1048576, {}, true},
+          {{"counts", "measure these numbers of cubes instead of searching", 1, 1048576, true},
            {"seconds", "simulated time of a run", 0.1, 600},
            {"maxBodies", "largest number of cubes", 1, 1048576},
            {"repeats", "runs per row if they take 4 s at most", 1, 99},
            {"minutes", "wall time after which no more rows are begun", 0.01, 1e4},
            {"width", "pixels of a frame", 16, 8192},
            {"height", "pixels of a frame", 16, 8192},
-           {"sleep", "bodies at rest may fall asleep", 0, 0, {"yes", "no"}}},
+           {"sleep", "bodies at rest may fall asleep", {"yes", "no"}}},
           nullptr,
           &runScaling};
 }

@@ -414,13 +414,11 @@ Bench stabilityBench() {
   return {"stability",
           "hard cases: finite, energy, momentum, shape, right side",
           "5 minutes",
-          withEngineKeys({{"ticks", "ticks per second", 1, 10000, {}, true},
+          withEngineKeys({{"ticks", "ticks per second", 1, 10000, true},
                           {"seed", "only cases with this seed", 1, 1e6},
                           {"trace",
                            "print time, energy over that at the start, drift of momentum, largest speed and "
                            "lowest height of each tick",
-                           0,
-                           0,
                            {"yes", "no"}}}),
           [](const Options& options) { return namesOf(wantedCases(options)); },
           &runStability};
