@@ -8,8 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
-#include <filesystem>
-#include <stdexcept>
+#include <optional>
 
 namespace limber::bench {
 namespace {
@@ -155,28 +154,26 @@ bool Options::wantsEngine(const std::string& engine, const std::string& setting)
                                         [&](const std::string& part) { return contains(full, part); });
 }
 
-double Options::number(const std::string& key, double otherwise) const {
-  const auto found = sets.find(key);
-  return found == sets.end() ? otherwise : std::stod(found->second);
-}
-
 std::string Options::word(const std::string& key, const std::string& otherwise) const {
   const auto found = sets.find(key);
   return found == sets.end() ? otherwise : found->second;
 }
 
+double Options::number(const std::string& key, double otherwise) const {
+  return sets.count(key) ? std::stod(sets.at(key)) : otherwise;
+}
+
 std::vector<double> Options::numbers(const std::string& key, const std::vector<double>& otherwise) const {
-  const auto found = sets.find(key);
-  if (found == sets.end()) return otherwise;
+  if (!sets.count(key)) return otherwise;
   std::vector<double> values;
-  for (const std::string& part : split(found->second)) values.push_back(std::stod(part));
+  for (const std::string& part : split(sets.at(key))) values.push_back(std::stod(part));
   return values;
 }
 
-std::vector<std::string> Options::words(const std::string& key,
-                                        const std::vector<std::string>& otherwise) const {
-  const auto found = sets.find(key);
-  return found == sets.end() ? otherwise : split(found->second);
+bool Options::hasWord(const std::string& key, const std::string& word,
+                      const std::vector<std::string>& otherwise) const {
+  const std::vector<std::string> all = sets.count(key) ? split(sets.at(key)) : otherwise;
+  return std::find(all.begin(), all.end(), word) != all.end();
 }
 
 ExitCode runBench(const std::vector<Bench>& benches, int argc, char** argv) {

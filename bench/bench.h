@@ -3,9 +3,12 @@
 
 // What a bench declares, and the options that all benches share.
 
+#include <limber/result.h>
+
 #include <map>
-#include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace limber::bench {
@@ -16,9 +19,14 @@ enum ExitCode : int { kSuccess = 0, kFailure = 1, kUsage = 2 };
 /// A setting that --set changes: a number from `low` to `high`, or one of `words`.
 struct Key {
   std::string name, about;
+  std::vector<std::string> words;
   double low = 0.0, high = 0.0;
-  std::vector<std::string> words = {};
   bool isList = false;  ///< several, separated by commas
+
+  Key(std::string key, std::string text, double from, double to, bool list = false)
+      : name(std::move(key)), about(std::move(text)), low(from), high(to), isList(list) {}
+  Key(std::string key, std::string text, std::vector<std::string> allowed, bool list = false)
+      : name(std::move(key)), about(std::move(text)), words(std::move(allowed)), isList(list) {}
 };
 
 /// The command line of a run.
@@ -35,7 +43,9 @@ struct Options {
   double number(const std::string& key, double otherwise) const;
   std::string word(const std::string& key, const std::string& otherwise = {}) const;
   std::vector<double> numbers(const std::string& key, const std::vector<double>& otherwise) const;
-  std::vector<std::string> words(const std::string& key, const std::vector<std::string>& otherwise) const;
+  /// Returns whether a word is among those of a key, or of `otherwise` if the key is not set.
+  bool hasWord(const std::string& key, const std::string& word,
+               const std::vector<std::string>& otherwise) const;
 };
 
 class Results;
@@ -66,6 +76,13 @@ std::vector<std::string> namesOf(const std::vector<Scene>& scenes) {
   std::vector<std::string> names;
   for (const Scene& scene : scenes) names.push_back(scene.name);
   return names;
+}
+
+/// Returns the value. Throws std::runtime_error with the reason if there is none.
+template <class T>
+T valueOf(Result<T> result) {
+  if (!result) throw std::runtime_error(result.error());
+  return std::move(*result);
 }
 
 // --- the benches -------------------------------------------------------------------------------------------

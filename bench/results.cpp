@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iomanip>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -38,20 +39,7 @@ std::string buildText() {
                 sizeof(btScalar) == sizeof(float) ? "single" : "double");
 }
 
-/// Quotes a cell with commas or quotes (RFC 4180).
-std::string quoted(const std::string& cell) {
-  if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
-  std::string text = "\"";
-  for (const char c : cell) text += c == '"' ? "\"\"" : std::string(1, c);
-  return text + "\"";
-}
-
 std::string numberText(double value) { return format("%.6g", value); }
-
-std::vector<std::string> startOf(const std::string& bench, const Subject& s) {
-  return {bench,    s.group,  s.scene, s.ticksPerSecond > 0.0 ? numberText(s.ticksPerSecond) : "",
-          s.engine, s.setting};
-}
 
 }  // namespace
 
@@ -79,27 +67,34 @@ void Results::describeRun(const std::string& options) {
 }
 
 void Results::add(const Subject& subject, const std::string& measure, const std::string& unit, double value) {
-  std::vector<std::string> cells = startOf(bench_, subject);
-  cells.insert(cells.end(), {measure, unit, numberText(value), "", "", ""});
-  write(cells);
+  addRow(subject, {measure, unit, numberText(value), "", "", ""});
 }
 
 void Results::add(const Subject& subject, const std::string& measure, const std::string& unit,
                   const std::vector<double>& samples) {
-  std::vector<std::string> cells = startOf(bench_, subject);
-  cells.insert(cells.end(), {measure, unit, numberText(median(samples)), numberText(quantile(samples, 0.25)),
-                             numberText(quantile(samples, 0.75)), std::to_string(samples.size())});
-  write(cells);
+  addRow(subject, {measure, unit, numberText(median(samples)), numberText(quantile(samples, 0.25)),
+                   numberText(quantile(samples, 0.75)), std::to_string(samples.size())});
 }
 
 void Results::note(const Subject& subject, const std::string& measure, const std::string& text) {
-  std::vector<std::string> cells = startOf(bench_, subject);
-  cells.insert(cells.end(), {measure, "", text, "", "", ""});
+  addRow(subject, {measure, "", text, "", "", ""});
+}
+
+void Results::addRow(const Subject& s, const std::vector<std::string>& values) {
+  const std::string ticks = s.ticksPerSecond > 0.0 ? numberText(s.ticksPerSecond) : "";
+  std::vector<std::string> cells = {bench_, s.group, s.scene, ticks, s.engine, s.setting};
+  cells.insert(cells.end(), values.begin(), values.end());
   write(cells);
 }
 
 void Results::write(const std::vector<std::string>& cells) {
-  for (std::size_t i = 0; i < cells.size(); ++i) stream_ << (i ? "," : "") << quoted(cells[i]);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    stream_ << (i ? "," : "");
+    if (cells[i].find_first_of(",\"\n") == std::string::npos)
+      stream_ << cells[i];
+    else
+      stream_ << std::quoted(cells[i], '"', '"');  // RFC 4180
+  }
   stream_ << std::endl;
   if (!stream_) throw std::runtime_error("cannot write " + file_);
   ++rows_;

@@ -38,6 +38,7 @@ class Results {
 
  private:
   void describeRun(const std::string& options);
+  void addRow(const Subject& subject, const std::vector<std::string>& values);
   void write(const std::vector<std::string>& cells);
 
   std::string folder_, bench_, file_;

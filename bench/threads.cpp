@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Gain of several threads. Each scene runs once without a parallel function, once with one that measures the
 // parallel parts on one thread, and once on each number of threads, all in turns.
-#include "contact/contact_stage.h"
-#include "engines/engines.h"
+#include "contact/contact.h"
 #include "results.h"
 #include "timing.h"
 
@@ -34,61 +33,39 @@ std::vector<unsigned> threadCounts() {
   return counts;
 }
 
-EngineChoice engineWith(const std::string& setting, const ParallelFor& parallelFor) {
-  return {"Limber", setting, [parallelFor](const EngineUse&) { return makeLimberEngine(parallelFor); }};
-}
-
-/// The runs of a scene: without a parallel function, timed, and with each number of threads.
-struct Runs {
-  std::deque<EngineChoice> choices;
-  TimedInOrder timed;
-  std::deque<ThreadPool> pools;
-  std::vector<unsigned> threads{1, 1};
-  double insideWhileSettling = 0.0;  // ms in the parallel parts before the measured ticks
-
-  Runs() {
-    choices = {engineWith("1 thread", nullptr), engineWith("1 thread, timed", timed.function())};
-    for (const unsigned count : threadCounts()) {
-      pools.emplace_back(count);
-      choices.push_back(engineWith(std::to_string(count) + " threads", pools.back().parallelFor()));
-      threads.push_back(count);
-    }
-  }
-};
-
 /// Plays all stages in turns: threads of other stages sleep while one runs.
-void play(std::deque<ContactStage>& stages, const ContactScene& scene, Runs& runs) {
-  const int ticks = scene.settleTicks + scene.measuredTicks;
-  for (int done = 0; done < ticks;) {
-    const bool settles = done < scene.settleTicks;
-    const int turn = std::min(scene.turn, (settles ? scene.settleTicks : ticks) - done);
-    for (ContactStage& stage : stages) stage.advance(turn, 1e9);
-    done += turn;
-    if (settles) runs.insideWhileSettling = runs.timed.milliseconds;
-  }
+void play(std::deque<ContactStage>& stages, int ticks, int turn) {
+  for (int done = 0; done < ticks; done += turn)
+    for (ContactStage& stage : stages) stage.advance(std::min(turn, ticks - done), 1e9);
 }
 
-/// Results of the repeats of a scene.
+/// Results of the repeats of a scene, first without a parallel function, then timed, then on several threads.
 struct Samples {
   std::vector<std::vector<double>> tick, gain;  // ms; #runs, #repeats
   std::vector<double> outside;                  // share of the tick outside the parallel parts, on one thread
 };
 
 void measureOnce(const ContactScene& scene, const Options& options, Samples& samples) {
-  Runs runs;
-  std::deque<ContactStage> stages;
-  const std::vector<EngineChoice> all(runs.choices.begin(), runs.choices.end());
+  TimedInOrder timed;
+  std::deque<ThreadPool> pools;
+  std::vector<EngineChoice> choices = {limberChoice("1 thread"),
+                                       limberChoice("1 thread, timed", {}, timed.function())};
+  for (const unsigned count : threadCounts())
+    choices.push_back(limberChoice(std::to_string(count), {}, pools.emplace_back(count).parallelFor()));
   Options anyEngine = options;
   anyEngine.engines.clear();
-  for (const EngineChoice& choice : wantedEngines(all, anyEngine)) stages.emplace_back(scene, choice);
-  play(stages, scene, runs);
+  std::deque<ContactStage> stages;
+  for (const EngineChoice& choice : wantedEngines(choices, anyEngine)) stages.emplace_back(scene, choice);
+  play(stages, scene.settleTicks, scene.turn);
+  const double settling = timed.milliseconds;
+  play(stages, scene.measuredTicks, scene.turn);
   samples.tick.resize(stages.size()), samples.gain.resize(stages.size());
   const double single = median(stages[0].wallTicks());
   for (std::size_t i = 0; i < stages.size(); ++i) {
     samples.tick[i].push_back(median(stages[i].wallTicks()));
     samples.gain[i].push_back(single / samples.tick[i].back());
   }
-  const double inside = runs.timed.milliseconds - runs.insideWhileSettling;
+  const double inside = timed.milliseconds - settling;
   samples.outside.push_back(std::clamp(1.0 - inside / std::max(sum(stages[1].wallTicks()), 1e-9), 0.0, 1.0));
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/accuracy_scene.h"
 #include "bullet_soft/body_start.h"
-#include "engines/engines.h"
 #include "results.h"
 #include "timing.h"
 
@@ -23,12 +22,6 @@ BodySetup shifted(BodySetup body, int copy) {
   return body;
 }
 
-bool isLost(const Frame& frame) {
-  for (const Eigen::Matrix3Xd& points : frame.positions)
-    if (!points.allFinite() || points.cwiseAbs().maxCoeff() > kMaxDistance) return true;
-  return false;
-}
-
 double manifoldImpulse(const btDiscreteDynamicsWorld& world) {
   const btDispatcher& dispatcher = *world.getDispatcher();
   double impulse = 0.0;
@@ -45,20 +38,57 @@ double manifoldImpulse(const btDiscreteDynamicsWorld& world) {
 class Stage {
  public:
   /// Throws std::runtime_error if the engine does not support the scene.
-  Stage(const Scene& scene, const EngineChoice& choice, double dt);
+  Stage(const Scene& scene, const EngineChoice& choice, double dt)
+      : scene_(scene), dt_(dt), ticks_(static_cast<int>(std::lround(scene.seconds / dt))) {
+    Scenario copies = scene;
+    for (int copy = 1; copy < scene.copies; ++copy)
+      for (const BodySetup& body : scene.bodies) copies.bodies.push_back(shifted(body, copy));
+    engine_ = open(copies, choice, dt, rigid_);
+    trace_.dt = dt;
+    record();
+  }
 
   bool over() const { return lost_ || tick_ >= ticks_; }
-  void advance(int ticks);
+  void advance(int ticks) {
+    for (; ticks > 0 && !over(); --ticks) {
+      const auto start = Clock::now();
+      engine_->tick(dt_);
+      const double tick = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+      tickMicroseconds_.push_back(tick / scene_.copies);
+      if (engine_->stepMicroseconds() >= 0.0)
+        stepMicroseconds_.push_back(engine_->stepMicroseconds() / scene_.copies);
+      ++tick_;
+      record();
+    }
+  }
 
   const Trace& trace() const { return trace_; }
   bool lost() const { return lost_; }  ///< a point has flown to infinity
-  std::uint64_t hash() const;          ///< of the last frame, bit for bit
+  /// Of the last frame, bit for bit.
+  std::uint64_t hash() const {
+    std::uint64_t hash = kHashStart;
+    for (const auto& points : trace_.last().positions) addToHash(hash, points);
+    for (const auto& speeds : trace_.last().velocities) addToHash(hash, speeds);
+    return hash;
+  }
   const std::vector<double>& tickMicroseconds() const { return tickMicroseconds_; }
   const std::vector<double>& stepMicroseconds() const { return stepMicroseconds_; }  ///< empty if unknown
 
  private:
-  Frame currentFrame() const;
-  void record();
+  Frame currentFrame() const {
+    Frame frame{statesOf(scene_, *engine_), {}, 0.0};
+    for (const auto& body : rigid_.bodies)
+      if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
+    frame.contactImpulse = manifoldImpulse(engine_->world()) + engine_->untoldImpulse();
+    return frame;
+  }
+  void record() {
+    Frame frame = currentFrame();
+    lost_ = isLost(frame, kMaxDistance);
+    const double remaining = (ticks_ - tick_ + 1) * dt_;  // s, from the previous frame to the scene's end
+    if (remaining > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
+    trace_.frames.push_back(std::move(frame));
+  }
 
   const Scene& scene_;
   RigidBodies rigid_;  // declared before the engine, whose world refers to them
@@ -70,79 +100,26 @@ class Stage {
   std::vector<double> tickMicroseconds_, stepMicroseconds_;
 };
 
-Stage::Stage(const Scene& scene, const EngineChoice& choice, double dt)
-    : scene_(scene), dt_(dt), ticks_(static_cast<int>(std::lround(scene.seconds / dt))) {
-  Scenario copies = scene;
-  for (int copy = 1; copy < scene.copies; ++copy)
-    for (const BodySetup& body : scene.bodies) copies.bodies.push_back(shifted(body, copy));
-  engine_ = open(copies, choice, dt, rigid_);
-  trace_.dt = dt;
-  record();
-}
-
-void Stage::advance(int ticks) {
-  for (; ticks > 0 && !over(); --ticks) {
-    const auto start = Clock::now();
-    engine_->tick(dt_);
-    const double tick = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-    tickMicroseconds_.push_back(tick / scene_.copies);
-    if (engine_->stepMicroseconds() >= 0.0)
-      stepMicroseconds_.push_back(engine_->stepMicroseconds() / scene_.copies);
-    ++tick_;
-    record();
-  }
-}
-
-Frame Stage::currentFrame() const {
-  Frame frame;
-  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-    frame.positions.push_back(engine_->positions(i));
-    frame.velocities.push_back(engine_->velocities(i));
-  }
-  for (const auto& body : rigid_.bodies)
-    if (!body->isStaticObject()) frame.boxes.push_back(fromBullet(body->getWorldTransform().getOrigin()));
-  frame.contactImpulse = manifoldImpulse(engine_->world()) + engine_->untoldImpulse();
-  return frame;
-}
-
-void Stage::record() {
-  Frame frame = currentFrame();
-  lost_ = isLost(frame);
-  const double remaining = (ticks_ - tick_ + 1) * dt_;  // s, from the previous frame to the scene's end
-  if (remaining > scene_.keepSeconds + 0.5 * dt_) trace_.frames.clear();
-  trace_.frames.push_back(std::move(frame));
-}
-
-std::uint64_t Stage::hash() const {
-  std::uint64_t hash = kHashStart;
-  for (const auto& points : trace_.last().positions) addToHash(hash, points);
-  for (const auto& speeds : trace_.last().velocities) addToHash(hash, speeds);
-  return hash;
-}
-
 // --- measurement ---
 
 /// A run of one engine in a scene.
 struct Run {
   EngineChoice choice;
-  std::unique_ptr<Stage> stage;  // nullptr: this engine does not support the scene
+  std::unique_ptr<Stage> stage;
 };
 
 /// Returns Limber with Verlet and `factor` times the substeps that the scene's first body needs.
 EngineChoice withSubsteps(const Scene& scene, double dt, int factor) {
   const int count = factor * stableSubsteps(scene.bodies[0], dt);
-  const auto tune = [count](SoftBodySettings& s) {
+  return limberChoice(format("Verlet, %d x substeps", factor), [count](SoftBodySettings& s) {
     s.stepping.stepper = Stepper::Verlet;
     s.stepping.minSubsteps = count;
-  };
-  return {"Limber", "Verlet, " + std::to_string(factor) + " x substeps",
-          [tune](const EngineUse&) { return makeLimberEngine(tune); }};
+  });
 }
 
 EngineChoice withTolerance(double periodTolerance) {
-  const auto tune = [periodTolerance](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; };
-  return {"Limber", format("period tolerance %.0e", periodTolerance),
-          [tune](const EngineUse&) { return makeLimberEngine(tune); }};
+  return limberChoice(format("period tolerance %.0e", periodTolerance),
+                      [=](SoftBodySettings& s) { s.stepping.periodTolerance = periodTolerance; });
 }
 
 /// In ordered scenes Limber is also run with 2, 4, 8 ... times the substeps that it needs to be stable.
@@ -157,12 +134,12 @@ std::vector<EngineChoice> enginesOf(const Scene& scene, double dt, const Options
   return wantedEngines(engines, options);
 }
 
+/// Engines that do not support the scene are left out.
 std::vector<Run> openRuns(const Scene& scene, double dt, const Options& options) {
   std::vector<Run> runs;
   for (const EngineChoice& choice : enginesOf(scene, dt, options)) {
-    runs.push_back({choice, nullptr});
     try {
-      runs.back().stage = std::make_unique<Stage>(scene, choice, dt);
+      runs.push_back({choice, std::make_unique<Stage>(scene, choice, dt)});
     } catch (const std::runtime_error& error) {
       std::fprintf(stderr, "no %s, %s in %s: %s\n", choice.engine.c_str(), choice.setting.c_str(),
                    scene.name.c_str(), error.what());
@@ -178,7 +155,7 @@ void playAll(std::vector<Run>& runs, const Scene& scene, double dt, Progress& pr
   for (double done = 0; playing; done += kTicksPerTurn) {
     playing = false;
     for (Run& run : runs) {
-      if (!run.stage || run.stage->over()) continue;
+      if (run.stage->over()) continue;
       run.stage->advance(kTicksPerTurn);
       playing = true;
     }
@@ -195,11 +172,11 @@ void addRows(const Run& run, const Scene& scene, double dt, Results& results) {
   const Stage& stage = *run.stage;
   const Subject subject{scene.kind == Kind::Free ? "free motion" : "with contacts", scene.name,
                         run.choice.engine, run.choice.setting, 1.0 / dt};
-  // one error is enough where the points are lost
-  const std::vector<double> errors = stage.lost() ? std::vector<double>{kLost} : scene.judge(stage.trace());
-  for (std::size_t i = 0; i < errors.size(); ++i)
-    if (!std::isnan(errors[i]))  // this engine has no such measure
-      results.add(subject, "error of " + scene.measures[i], unitOf(scene.measures[i]), errors[i]);
+  for (const Measure& measure : scene.measures) {
+    const double error = stage.lost() ? kLost : measure.error(stage.trace());
+    if (!std::isnan(error)) results.add(subject, "error of " + measure.name, unitOf(measure.name), error);
+    if (stage.lost()) break;  // one error is enough
+  }
   results.add(subject, "tick", "us", stage.tickMicroseconds());
   if (run.choice.isLimber()) results.add(subject, "springs", "us", stage.stepMicroseconds());
   results.note(subject, "hash", hexText(stage.hash()));
@@ -221,8 +198,7 @@ void runAccuracy(const Options& options, Results& results) {
     for (const double rate : options.numbers("ticks", options.quick ? quick : all)) {
       std::vector<Run> runs = openRuns(scene, 1.0 / rate, options);
       playAll(runs, scene, 1.0 / rate, progress);
-      for (const Run& run : runs)
-        if (run.stage) addRows(run, scene, 1.0 / rate, results);
+      for (const Run& run : runs) addRows(run, scene, 1.0 / rate, results);
     }
     progress.finish(scene.name);
   }
@@ -234,7 +210,7 @@ Bench accuracyBench() {
   return {"accuracy",
           "errors and times in scenes with a known outcome",
           "3 minutes",
-          withEngineKeys({{"ticks", "ticks per second", 1, 10000, {}, true}}),
+          withEngineKeys({{"ticks", "ticks per second", 1, 10000, true}}),
           [](const Options& options) { return namesOf(wantedMakers(options)); },
           &runAccuracy};
 }

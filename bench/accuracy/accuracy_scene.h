@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "scene/reference.h"
 #include "scene/scene.h"
 
 namespace limber::bench {
@@ -9,10 +10,9 @@ namespace limber::bench {
 enum class Kind : std::uint8_t { Free, Contact };
 
 /// The state of all bodies after a tick (or before the first).
-struct Frame {
-  std::vector<Eigen::Matrix3Xd> positions, velocities;  ///< #bodies
-  std::vector<Eigen::Vector3d> boxes;                   ///< centres of the scene's movable rigid bodies
-  double contactImpulse = 0.0;                          ///< N s, of all contacts during the tick
+struct Frame : BodyStates {
+  std::vector<Eigen::Vector3d> boxes;  ///< centres of the scene's movable rigid bodies
+  double contactImpulse = 0.0;         ///< N s, of all contacts during the tick
 };
 
 /// The result of a run: its last frames, dt apart. The last one is at the scene's end.
@@ -23,13 +23,26 @@ struct Trace {
   const Frame& last() const { return frames.back(); }
 };
 
+/// Returns the values of read(frame).
+template <class Read>
+Signal signalOf(const Trace& trace, Read read) {
+  Signal signal{trace.dt, {}};
+  for (const Frame& frame : trace.frames) signal.samples.push_back(read(frame));
+  return signal;
+}
+
+/// A kind of error.
+struct Measure {
+  std::string name;
+  std::function<double(const Trace&)> error;  ///< NaN: the engine has no such measure
+};
+
 /// A situation with a known outcome, for any engine.
 struct Scene : Scenario {
   Kind kind = Kind::Free;
   double seconds = 1.0;
-  double keepSeconds = 1e9;                                ///< length of the last part, which `judge` needs
-  std::vector<std::string> measures;                       ///< kinds of error, the main one first
-  std::function<std::vector<double>(const Trace&)> judge;  ///< the error of each kind
+  double keepSeconds = 1e9;       ///< length of the last part, which the measures need
+  std::vector<Measure> measures;  ///< the main one first
   bool ordered = false;  ///< errors shrink with the step: an order is fitted, and finer substeps are run
   int finest = 8;        ///< Limber is run with 1, 2, 4 ... up to this many times the substeps that it needs;
                          ///< beyond 8 only at 60 ticks a second

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "accuracy/accuracy_scene.h"
 #include "results.h"
-#include "scene/bodies.h"
-#include "scene/rigid_bodies.h"
-#include "scene/signals.h"
-#include "scene/spring_system.h"
 #include "support/small_meshes.h"
 
 #include <limber/network_builder.h>
@@ -12,13 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 namespace limber::bench {
 
-// --- impacts ---
-
 namespace {
+
+double meanX(const Frame& frame, std::size_t body) { return frame.positions[body].row(0).mean(); }
 
 // --- a bar of springs against a wall ---
 
@@ -47,16 +42,17 @@ Signal speedOf(const Signal& position) {
   return speed;
 }
 
-/// Returns the exact position of the mass centre at every millisecond.
-Signal exactPosition(const BodySetup& body, double seconds) {
-  const Wall wall{Eigen::Vector3d::UnitX(), kRadius};
-  const double h = 5e-6;
-  Signal position{200 * h, {startOf(body).positions.row(0).mean()}};
+/// Returns the exact mean position of the points, across the wall, every so many steps of h.
+Signal exactMotion(const BodySetup& body, const Eigen::Vector3d& gravity, const Wall& wall, double seconds,
+                   double h, int stepsPerSample) {
+  Eigen::Index axis = 0;
+  wall.normal.maxCoeff(&axis);
+  Signal motion{stepsPerSample * h, {startOf(body).positions.row(axis).mean()}};
   long step = 0;
-  integrateAgainst(systemOf(body, Eigen::Vector3d::Zero()), wall, seconds, h, [&](double, const State& s) {
-    if (++step % 200 == 0) position.samples.push_back(s.x.row(0).mean());
+  integrateAgainst(systemOf(body, gravity), wall, seconds, h, [&](double, const State& s) {
+    if (++step % stepsPerSample == 0) motion.samples.push_back(s.x.row(axis).mean());
   });
-  return position;
+  return motion;
 }
 
 /// Returns the signal sampled once per tick.
@@ -84,20 +80,19 @@ Scene againstWall(const SharedNetwork& network, double stiffness) {
   body.settings.position.x() = kRadius + kGap;
   body.settings.linearVelocity.x() = -kSpeed;
   scene.bodies = {body};
-  scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addBox(rigid, world, {1, 2, 2}, 0, {-1, 0, 0}, 0);
+  scene.addRigidBodies = [](RigidBodies& rigid) { addBox(rigid, {1, 2, 2}, 0, {-1, 0, 0}, 0); };
+  const Wall wall{Eigen::Vector3d::UnitX(), kRadius};
+  const Signal exactSignal = exactMotion(body, scene.gravity, wall, scene.seconds, 5e-6, 200);
+  const auto errorOf = [exactSignal, mass = body.settings.totalMass](double Impact::*value) {
+    return [=](const Trace& trace) {
+      const Signal position = signalOf(trace, [](const Frame& frame) { return meanX(frame, 0); });
+      const Signal exact = resampled(exactSignal, trace.dt, position.samples.size());
+      return relativeError(impactOf(speedOf(position), mass).*value, impactOf(speedOf(exact), mass).*value);
+    };
   };
-  const Signal exactSignal = exactPosition(body, scene.seconds);
-  scene.measures = {"rebound", "contact time", "force"};
-  scene.judge = [exactSignal, mass = body.settings.totalMass](const Trace& trace) {
-    Signal position{trace.dt, {}};
-    for (const Frame& frame : trace.frames) position.samples.push_back(frame.positions[0].row(0).mean());
-    const Impact measured = impactOf(speedOf(position), mass);
-    const Impact exact = impactOf(speedOf(resampled(exactSignal, trace.dt, position.samples.size())), mass);
-    return std::vector<double>{relativeError(measured.rebound, exact.rebound),
-                               relativeError(measured.contactTime, exact.contactTime),
-                               relativeError(measured.force, exact.force)};
-  };
+  scene.measures = {{"rebound", errorOf(&Impact::rebound)},
+                    {"contact time", errorOf(&Impact::contactTime)},
+                    {"force", errorOf(&Impact::force)}};
   scene.remark = impactRemark(impactOf(speedOf(exactSignal), body.settings.totalMass));
   return scene;
 }
@@ -117,6 +112,14 @@ Scene latticeAgainstWall() { return againstWall(latticeNetwork(17, 2, 2, 1.0 / 1
 
 // --- a cube dropped onto the floor ---
 
+Scene sceneOn(Floor floor, double friction) {
+  Scene scene;
+  scene.kind = Kind::Contact;
+  scene.limberOnly = floor != Floor::Box;
+  scene.addRigidBodies = [=](RigidBodies& rigid) { addFloor(rigid, floor, friction); };
+  return scene;
+}
+
 /// Returns the height over `rest` that a signal of heights reaches after its first minimum: the top of the
 /// parabola through the highest sample and its neighbours, which is exact in free flight.
 double reboundOf(const Signal& height, double rest) {
@@ -132,8 +135,7 @@ double reboundOf(const Signal& height, double rest) {
 
 Scene droppedCube(int exponent) {
   const double stiffness = std::pow(10.0, exponent), radius = 0.02, rest = 0.5 + radius;
-  Scene scene;
-  scene.kind = Kind::Contact;
+  Scene scene = sceneOn(Floor::Box, 0.0);
   scene.ordered = true;
   scene.seconds = wholeTicks(0.6);
   BodySetup body = bodyOf(cubeNetwork(), 1.0, stiffness, 0.04 * std::sqrt(stiffness / 8));
@@ -141,23 +143,13 @@ Scene droppedCube(int exponent) {
   body.settings.friction = 0.0;
   body.settings.position.y() = rest + 0.5;
   scene.bodies = {body};
-  scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, Floor::Box, 0);
+  const Wall floor{Eigen::Vector3d::UnitY(), radius};
+  const double exact = reboundOf(exactMotion(body, scene.gravity, floor, scene.seconds, 1e-6, 1000), rest);
+  const auto error = [=](const Trace& trace) {
+    const Signal heights = signalOf(trace, [](const Frame& f) { return f.positions[0].row(1).mean(); });
+    return relativeError(reboundOf(heights, rest), exact);
   };
-  Signal height{1e-3, {}};
-  const double h = 1e-6;
-  long step = 0;
-  integrateAgainst(systemOf(body, scene.gravity), {Eigen::Vector3d::UnitY(), radius}, scene.seconds, h,
-                   [&](double, const State& s) {
-                     if (++step % 1000 == 0) height.samples.push_back(s.x.row(1).mean());
-                   });
-  const double exact = reboundOf(height, rest);
-  scene.measures = {"rebound"};
-  scene.judge = [=](const Trace& trace) {
-    Signal heights{trace.dt, {}};
-    for (const Frame& frame : trace.frames) heights.samples.push_back(frame.positions[0].row(1).mean());
-    return std::vector<double>{relativeError(reboundOf(heights, rest), exact)};
-  };
+  scene.measures = {{"rebound", error}};
   scene.remark = format("rebound %.5f m from 0.5 m, by steps of 1 us", exact);
   return scene;
 }
@@ -174,27 +166,19 @@ double forceError(const Trace& trace, double weight) {
 }
 
 Scene restOn(Floor floor, int exponent) {
-  Scene scene;
-  scene.kind = Kind::Contact;
+  Scene scene = sceneOn(floor, 0.0);
   scene.seconds = 6.0;
   scene.keepSeconds = 1.0;
-  scene.limberOnly = floor != Floor::Box;
   BodySetup body = restingCube(std::pow(10.0, exponent));
   body.settings.friction = 0.0;
   scene.bodies = {body};
-  scene.addRigidBodies = [floor](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, floor, 0);
-  };
   const double exact = restHeight(body, 0.0);
-  scene.measures = {"height", "force"};
-  scene.judge = [=](const Trace& trace) {
-    return std::vector<double>{std::abs(topOf(trace.last().positions[0]) - exact),
-                               forceError(trace, kGravity * body.settings.totalMass)};
-  };
+  const double weight = kGravity * body.settings.totalMass;
+  scene.measures = {
+      {"height", [=](const Trace& t) { return std::abs(topOf(t.last().positions[0]) - exact); }},
+      {"force", [=](const Trace& t) { return forceError(t, weight); }}};
   return scene;
 }
-
-double meanX(const Frame& frame, std::size_t body) { return frame.positions[body].row(0).mean(); }
 
 /// Returns the acceleration along x (m/s^2) from the first, the middle and the last frame.
 double accelerationOf(const Trace& trace, std::size_t body) {
@@ -214,46 +198,30 @@ double slidingAcceleration(double angle, double mu) {
   return kGravity * (std::sin(angle) - mu * std::cos(angle));
 }
 
+/// Compares the acceleration of a body with the exact one.
+Measure accelerationError(const char* name, std::size_t body, double exact) {
+  return {name, [=](const Trace& trace) { return relativeError(accelerationOf(trace, body), exact); }};
+}
+
 /// A cube on an incline of tan = fraction mu, simulated by inclined gravity. It settles for one second and is
 /// measured for another.
 Scene incline(double fraction) {
   const double mu = 0.5, angle = std::atan(fraction * mu);
-  Scene scene;
-  scene.kind = Kind::Contact;
+  Scene scene = sceneOn(Floor::Box, 1.0);
   scene.seconds = 2.0;
   scene.keepSeconds = 1.0;
   scene.gravity = inclined(angle);
   BodySetup body = restingCube(1e4);
   body.settings.friction = mu;
   scene.bodies = {body};
-  scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, Floor::Box, 1.0);
-  };
-  if (fraction < 1) {
-    scene.measures = {"creep"};
-    scene.judge = [](const Trace& t) {
-      return std::vector<double>{std::abs(meanX(t.last(), 0) - meanX(t.frames[0], 0))};
-    };
-  } else {
-    scene.measures = {"acceleration"};
-    scene.judge = [exact = slidingAcceleration(angle, mu)](const Trace& t) {
-      return std::vector<double>{relativeError(accelerationOf(t, 0), exact)};
-    };
-  }
+  const Measure creep{"creep",
+                      [](const Trace& t) { return std::abs(meanX(t.last(), 0) - meanX(t.frames[0], 0)); }};
+  scene.measures = {fraction < 1 ? creep
+                                 : accelerationError("acceleration", 0, slidingAcceleration(angle, mu))};
   return scene;
 }
 
 // --- floors in one piece and in tiles ----------------------------------------------------------------------
-
-Scene sceneOn(Floor floor, double friction) {
-  Scene scene;
-  scene.kind = Kind::Contact;
-  scene.limberOnly = floor != Floor::Box;
-  scene.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, floor, friction);
-  };
-  return scene;
-}
 
 /// Frictionless cubes side by side that slide at 0.1 to 20 m/s for half a second: none loses speed or hops.
 Scene slideOn(Floor floor) {
@@ -267,16 +235,20 @@ Scene slideOn(Floor floor) {
     body.settings.friction = body.drag = 0.0;
     scene.bodies.push_back(body);
   }
-  scene.measures = {"speed", "hop"};
-  scene.judge = [speeds](const Trace& trace) {
-    double speed = 0.0, hop = 0.0;
-    for (std::size_t i = 0; i < speeds.size(); ++i) {
-      speed = std::max(speed, relativeError(trace.last().velocities[i].row(0).mean(), speeds[i]));
-      for (const Frame& frame : trace.frames)
-        hop = std::max(hop, frame.positions[i].row(1).minCoeff() - kCubeRadius);
-    }
-    return std::vector<double>{speed, hop};
+  const auto speedError = [speeds](const Trace& trace) {
+    double worst = 0.0;
+    for (std::size_t i = 0; i < speeds.size(); ++i)
+      worst = std::max(worst, relativeError(trace.last().velocities[i].row(0).mean(), speeds[i]));
+    return worst;
   };
+  const auto highestHop = [](const Trace& trace) {
+    double highest = 0.0;
+    for (const Frame& frame : trace.frames)
+      for (const Eigen::Matrix3Xd& x : frame.positions)
+        highest = std::max(highest, x.row(1).minCoeff() - kCubeRadius);
+    return highest;
+  };
+  scene.measures = {{"speed", speedError}, {"hop", highestHop}};
   return scene;
 }
 
@@ -296,11 +268,8 @@ Scene slopeOf(Floor floor) {
   cloth.settings.pointRadius = kCubeRadius;
   cloth.settings.friction = 0.0;
   scene.bodies = {cube, cloth};
-  scene.measures = {"cube", "cloth"};
-  scene.judge = [=](const Trace& t) {
-    return std::vector<double>{relativeError(accelerationOf(t, 0), slidingAcceleration(angle, mu)),
-                               relativeError(accelerationOf(t, 1), slidingAcceleration(angle, 0.0))};
-  };
+  scene.measures = {accelerationError("cube", 0, slidingAcceleration(angle, mu)),
+                    accelerationError("cloth", 1, slidingAcceleration(angle, 0.0))};
   return scene;
 }
 
@@ -311,27 +280,23 @@ Scene rollOn(Floor floor) {
   const Eigen::Vector3d toReference(0, 0, 16);  // m
   TriangleMesh mesh = small_meshes::icosphere(1);
   for (Eigen::Vector3d& p : mesh.positions) p *= kBallRadius;
-  const Result<SharedNetwork> network = buildNetwork(mesh);
-  if (!network) throw std::runtime_error(network.error());
   Scene scene = sceneOn(floor, 1.0);
   scene.limberOnly = true;
-  BodySetup ball = bodyOf(*network, 1.0, 1e4, 10.0);
+  BodySetup ball = bodyOf(valueOf(buildNetwork(mesh)), 1.0, 1e4, 10.0);
   ball.settings.pointRadius = kCubeRadius;
   ball.settings.position = {0.1, kBallRadius + kCubeRadius, 0.05};
   ball.settings.linearVelocity = {4.0, 0, 0};
   scene.bodies = {ball, ball};
   scene.bodies[1].settings.position += toReference;
-  scene.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, floor, 1.0);
-    addBox(rigid, world, {20, 1, 2}, 0, toReference - Eigen::Vector3d(0, 1, 0), 1.0);
+  scene.addRigidBodies = [=](RigidBodies& rigid) {
+    addFloor(rigid, floor, 1.0);
+    addBox(rigid, {20, 1, 2}, 0, toReference - Eigen::Vector3d(0, 1, 0), 1.0);
   };
-  scene.measures = {"path"};
-  scene.judge = [=](const Trace& trace) {
-    const auto centre = [&](std::size_t body) -> Eigen::Vector3d {
-      return trace.last().positions[body].rowwise().mean();
-    };
-    return std::vector<double>{(centre(0) + toReference - centre(1)).norm() / kBallRadius};
+  const auto apart = [=](const Trace& trace) {
+    const auto& x = trace.last().positions;
+    return (x[0].rowwise().mean() + toReference - x[1].rowwise().mean()).norm() / kBallRadius;
   };
+  scene.measures = {{"path", apart}};
   return scene;
 }
 
@@ -340,66 +305,56 @@ Scene rollOn(Floor floor) {
 const Eigen::Vector3d kBox = {0.7, 0.1, 0.7};  // half sizes, m
 constexpr double kStiffness = 1e4;
 
-Scene settling() {
-  Scene scene;
-  scene.kind = Kind::Contact;
+/// Returns a scene on a floor that settles until heightOf() the last frame is measured.
+Scene settling(double exact, const std::function<double(const Frame&)>& heightOf) {
+  Scene scene = sceneOn(Floor::Box, 1.0);
   scene.seconds = 6.0;
   scene.keepSeconds = 0.0;
-  scene.measures = {"height"};
+  scene.measures = {{"height", [=](const Trace& t) { return std::abs(heightOf(t.last()) - exact); }}};
   return scene;
 }
 
+double topOfLast(const Frame& frame) { return topOf(frame.positions.back()); }
+
 /// A cube on a free box; measures the height of the cube's top.
 Scene cubeOnBox(double mass) {
-  Scene scene = settling();
   BodySetup body = restingCube(kStiffness);
-  const double exact = 2 * kBox.y() + restHeight(body, 0.0);
+  Scene scene = settling(2 * kBox.y() + restHeight(body, 0.0), topOfLast);
   body.settings.position.y() += 2 * kBox.y();
   scene.bodies = {body};
-  scene.addRigidBodies = [mass](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, Floor::Box, 1.0);
-    addBox(rigid, world, kBox, mass, {0.1, kBox.y(), 0.05}, 1.0);
-  };
-  scene.judge = [exact](const Trace& trace) {
-    return std::vector<double>{std::abs(topOf(trace.last().positions[0]) - exact)};
+  scene.addRigidBodies = [mass](RigidBodies& rigid) {
+    addFloor(rigid, Floor::Box, 1.0);
+    addBox(rigid, kBox, mass, {0.1, kBox.y(), 0.05}, 1.0);
   };
   return scene;
 }
 
 /// A free box on a cube; measures the height of the box's centre.
 Scene boxOnCube(double mass) {
-  Scene scene = settling();
   const BodySetup body = restingCube(kStiffness);
-  const double exact = restHeight(body, mass * kGravity) + kCubeRadius + kBox.y();
+  Scene scene = settling(restHeight(body, mass * kGravity) + kCubeRadius + kBox.y(),
+                         [](const Frame& frame) { return frame.boxes[0].y(); });
   scene.bodies = {body};
-  scene.addRigidBodies = [mass](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, Floor::Box, 1.0);
-    addBox(rigid, world, kBox, mass, {0.1, 1 + 2 * kCubeRadius + kBox.y(), 0.05}, 1.0);
-  };
-  scene.judge = [exact](const Trace& trace) {
-    return std::vector<double>{std::abs(trace.last().boxes[0].y() - exact)};
+  scene.addRigidBodies = [mass](RigidBodies& rigid) {
+    addFloor(rigid, Floor::Box, 1.0);
+    addBox(rigid, kBox, mass, {0.1, 1 + 2 * kCubeRadius + kBox.y(), 0.05}, 1.0);
   };
   return scene;
 }
 
 /// Cubes stacked corner on corner; measures the height of the topmost cube's top.
 Scene stack(int count) {
-  Scene scene = settling();
   const BodySetup lowest = restingCube(kStiffness);
-  double exact = 0.0;
+  double exact = -kCubeRadius;
+  std::vector<BodySetup> bodies;
   for (int i = 0; i < count; ++i) {
     BodySetup body = lowest;
     body.settings.position.y() += i * (1 + 2 * kCubeRadius);
-    scene.bodies.push_back(body);
+    bodies.push_back(body);
     exact += restHeight(lowest, (count - 1 - i) * kGravity * lowest.settings.totalMass) + kCubeRadius;
   }
-  exact -= kCubeRadius;
-  scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, Floor::Box, 1.0);
-  };
-  scene.judge = [exact](const Trace& trace) {
-    return std::vector<double>{std::abs(topOf(trace.last().positions.back()) - exact)};
-  };
+  Scene scene = settling(exact, topOfLast);
+  scene.bodies = bodies;
   return scene;
 }
 

@@ -3,9 +3,6 @@
 // every motion is a sum of modes with known shapes and frequencies.
 #include "accuracy/accuracy_scene.h"
 #include "results.h"
-#include "scene/bodies.h"
-#include "scene/signals.h"
-#include "scene/spring_system.h"
 
 #include <algorithm>
 #include <memory>
@@ -13,16 +10,21 @@
 
 namespace limber::bench {
 
-// --- one spring ---
-
 namespace {
+
+// --- one spring ---
 
 constexpr double kElongation = 0.1;  // m, at the start
 
-Signal coordinate(const Trace& trace, Eigen::Index row, Eigen::Index point, double zero) {
-  Signal signal{trace.dt, {}};
-  for (const Frame& frame : trace.frames) signal.samples.push_back(frame.positions[0](row, point) - zero);
-  return signal;
+/// Returns the distance along x of the second point from `zero`.
+Signal secondPoint(const Trace& trace, double zero) {
+  return signalOf(trace, [=](const Frame& frame) { return frame.positions[0](0, 1) - zero; });
+}
+
+/// Returns the error of the period, or 1 without oscillation.
+double periodError(const Signal& signal, double exact) {
+  const double measured = period(signal);
+  return std::isfinite(measured) ? std::abs(measured / exact - 1) : 1.0;
 }
 
 /// A mass on a pinned spring:  T = 2 pi sqrt(m / k).  Without oscillation both errors are 1.
@@ -36,16 +38,13 @@ Scene oscillator() {
   body.positions = Eigen::Matrix3Xd::Zero(3, 2);
   body.positions(0, 1) = 1.0 + kElongation;
   scene.bodies = {body};
-  scene.measures = {"period", "amplitude"};
   scene.ordered = true;
   scene.periodTolerance = 1e-4;
-  scene.judge = [exact](const Trace& trace) {
-    const Signal x = coordinate(trace, 0, 1, 1.0);
-    const double remaining = amplitude(x, 9.4 * exact, 10.4 * exact) / kElongation;
-    const double measured = period(x);
-    return std::vector<double>{std::isfinite(measured) ? std::abs(measured / exact - 1) : 1.0,
-                               std::abs(remaining - 1)};
+  const auto amplitudeError = [exact](const Trace& trace) {
+    return std::abs(amplitude(secondPoint(trace, 1.0), 9.4 * exact, 10.4 * exact) / kElongation - 1);
   };
+  scene.measures = {{"period", [exact](const Trace& t) { return periodError(secondPoint(t, 1.0), exact); }},
+                    {"amplitude", amplitudeError}};
   return scene;
 }
 
@@ -100,12 +99,8 @@ Scene pendulum() {
   body.positions.col(1) = length * Eigen::Vector3d(std::sin(angle), -std::cos(angle), 0);
   const double exact = springPendulumPeriod(body, scene);
   scene.bodies = {body};
-  scene.measures = {"period", "stretch"};
-  scene.judge = [=](const Trace& trace) {
-    const double measured = period(coordinate(trace, 0, 1, 0.0));
-    return std::vector<double>{std::isfinite(measured) ? std::abs(measured / exact - 1) : 1.0,
-                               stretchError(trace, sag, angle)};
-  };
+  scene.measures = {{"period", [=](const Trace& t) { return periodError(secondPoint(t, 0.0), exact); }},
+                    {"stretch", [=](const Trace& t) { return stretchError(t, sag, angle); }}};
   scene.remark = format("period %.7f s; of a rigid rod, by the elliptic integral, %.7f s", exact,
                         pendulumPeriod(1.0, angle));
   return scene;
@@ -146,10 +141,9 @@ Scene hangingChain(const SharedNetwork& network, double mass, double stiffness, 
   for (Eigen::Index i = 0; i <= kLinks; ++i)
     body.positions(1, i) += kDisturbance * (rest(1, i) + static_cast<double>(i) / kLinks);
   scene.bodies = {body};
-  scene.measures = {"sag"};
-  scene.judge = [sag](const Trace& trace) {
-    return std::vector<double>{relativeError(-trace.last().positions[0](1, kLinks) - 1.0, sag)};
-  };
+  scene.measures = {{"sag", [sag](const Trace& trace) {
+                       return relativeError(-trace.last().positions[0](1, kLinks) - 1.0, sag);
+                     }}};
   return scene;
 }
 
@@ -213,16 +207,14 @@ Scene bar(int links, double mass, double stiffness, const Eigen::VectorXd& start
   return scene;
 }
 
-Signal modeSignal(const Trace& trace, const Eigen::VectorXd& shape) {
-  Signal signal{trace.dt, {}};
-  for (const Frame& frame : trace.frames)
-    signal.samples.push_back(shape.dot(displacement(frame, static_cast<int>(shape.size()) - 1)));
-  return signal;
-}
-
-double periodError(const Trace& trace, const Modes& modes, int mode) {
-  const double measured = period(modeSignal(trace, modes.shapes.col(mode)));
-  return std::isfinite(measured) ? std::abs(measured * modes.frequencies[mode] / (2 * M_PI) - 1) : 1.0;
+/// Returns the error of the period of a mode.
+std::function<double(const Trace&)> modeError(const Modes& modes, int mode) {
+  return [shape = Eigen::VectorXd(modes.shapes.col(mode)),
+          exact = 2 * M_PI / modes.frequencies[mode]](const Trace& trace) {
+    const int links = static_cast<int>(shape.size()) - 1;
+    return periodError(signalOf(trace, [&](const Frame& f) { return shape.dot(displacement(f, links)); }),
+                       exact);
+  };
 }
 
 /// The first three modes at once. They do not affect each other.
@@ -233,12 +225,8 @@ Scene chainModes(bool quick) {
   const Eigen::VectorXd start = 0.02 * modes.shapes.leftCols(3).rowwise().sum();
   Scene scene = bar(links, mass, stiffness, start);
   scene.seconds = wholeTicks(3.4 * 2 * M_PI / modes.frequencies[0]);
-  scene.measures = {"mode 1", "mode 2", "mode 3"};
-  scene.judge = [modes](const Trace& trace) {
-    std::vector<double> errors;
-    for (int mode = 0; mode < 3; ++mode) errors.push_back(periodError(trace, modes, mode));
-    return errors;
-  };
+  for (int mode = 0; mode < 3; ++mode)
+    scene.measures.push_back({format("mode %d", mode + 1), modeError(modes, mode)});
   return scene;
 }
 
@@ -254,18 +242,19 @@ Scene travellingWave() {
   Scene scene = bar(links, mass, stiffness, start);
   scene.bodies[0].pins = {0, static_cast<std::uint32_t>(links)};
   scene.seconds = wholeTicks(44.0 / std::sqrt(stiffness / mass));
-  scene.measures = {"shape", "arrival"};
-  const auto arrival = [height](const Signal& signal) { return firstReaches(signal, 0.5 * 0.5 * height); };
-  scene.judge = [=](const Trace& trace) {
-    Signal probe{trace.dt, {}}, exact{trace.dt / 8, {}};
-    for (const Frame& frame : trace.frames) probe.samples.push_back(displacement(frame, links)[48]);
+  const auto shape = [=](const Trace& trace) {
+    const double end = trace.dt * static_cast<double>(trace.frames.size() - 1);
+    const Eigen::VectorXd error = displacement(trace.last(), links) - exactDisplacement(modes, start, end);
+    return error.norm() / std::sqrt(links + 1.0) / height;
+  };
+  const auto arrival = [=](const Trace& trace) {
+    const Signal probe = signalOf(trace, [&](const Frame& frame) { return displacement(frame, links)[48]; });
+    Signal exact{trace.dt / 8, {}};
     for (std::size_t i = 0; i <= 8 * (trace.frames.size() - 1); ++i)
       exact.samples.push_back(exactDisplacement(modes, start, exact.dt * static_cast<double>(i))[48]);
-    const Eigen::VectorXd error =
-        displacement(trace.last(), links) - exactDisplacement(modes, start, probe.end());
-    const double rms = error.norm() / std::sqrt(links + 1.0);
-    return std::vector<double>{rms / height, relativeError(arrival(probe), arrival(exact))};
+    return relativeError(firstReaches(probe, height / 4), firstReaches(exact, height / 4));
   };
+  scene.measures = {{"shape", shape}, {"arrival", arrival}};
   return scene;
 }
 
@@ -279,8 +268,7 @@ Scene waveOfEight() {
   Scene scene = bar(links, mass, stiffness, 0.004 * modes.shapes.col(eight));
   scene.bodies[0].pins = {0, static_cast<std::uint32_t>(links)};
   scene.seconds = wholeTicks(8.4 * 2 * M_PI / modes.frequencies[eight]);
-  scene.measures = {"dispersion"};
-  scene.judge = [=](const Trace& trace) { return std::vector<double>{periodError(trace, modes, eight)}; };
+  scene.measures = {{"dispersion", modeError(modes, eight)}};
   return scene;
 }
 
@@ -299,14 +287,14 @@ double delay(double seconds, double dt) { return seconds * (double(static_cast<b
 void judgeByReference(Scene& scene, double size) {
   scene.ordered = true;
   scene.keepSeconds = 0.0;
-  scene.measures = {"shape"};
   auto reference = std::make_shared<std::optional<State>>();
-  scene.judge = [reference, size, body = scene.bodies[0], gravity = scene.gravity,
-                 seconds = scene.seconds](const Trace& trace) {
+  const auto error = [reference, size, body = scene.bodies[0], gravity = scene.gravity,
+                      seconds = scene.seconds](const Trace& trace) {
     if (!*reference) *reference = integrate(systemOf(body, gravity), seconds);
     const Eigen::Matrix3Xd exact = (*reference)->x + delay(seconds, trace.dt) * (*reference)->v;
-    return std::vector<double>{shapeError(trace.last().positions[0], exact, size)};
+    return shapeError(trace.last().positions[0], exact, size);
   };
+  scene.measures = {{"shape", error}};
 }
 
 /// Eight cubes, as in a game. They are thrown with a spin and start slightly too large, so that their size
@@ -316,10 +304,7 @@ Scene spinningCubes(double stiffness) {
   BodySetup body = bodyOf(cubeNetwork(), 0.8, stiffness);
   body.settings.angularVelocity = 3.4 * Eigen::Vector3d(1, 2, 3).normalized();
   body.settings.linearVelocity = {1, 3, 0};
-  body.positions = (1 + 0.03 * std::sqrt(1e3 / stiffness)) *
-                   Eigen::Matrix3Xd::NullaryExpr(3, 8, [&](Eigen::Index r, Eigen::Index c) {
-                     return body.network->restPoints[static_cast<std::size_t>(c)][r];
-                   });
+  body.positions = (1 + 0.03 * std::sqrt(1e3 / stiffness)) * startOf(body).positions;
   scene.bodies = {body};
   judgeByReference(scene, 1.0);
   scene.copies = 8;
@@ -383,12 +368,11 @@ Scene settledBlock() {
   scene.seconds = 6.0;
   scene.keepSeconds = 0.0;
   scene.bodies = {body};
-  scene.measures = {"tip"};
-  scene.judge = [=](const Trace& trace) {
-    return std::vector<double>{
-        relativeError(startHeight - tip(trace.last().positions[0]), startHeight - tip(rest))};
-  };
-  scene.remark = beamFormula(stiffness, startHeight - tip(rest));
+  const double sag = startHeight - tip(rest);
+  scene.measures = {{"tip", [=](const Trace& trace) {
+                       return relativeError(startHeight - tip(trace.last().positions[0]), sag);
+                     }}};
+  scene.remark = beamFormula(stiffness, sag);
   return scene;
 }
 

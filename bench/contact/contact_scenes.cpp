@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "contact/contact_scene.h"
-#include "scene/bodies.h"
-#include "stability/hard_case.h"
+#include "contact/contact.h"
 #include "support/small_meshes.h"
 
 #include <limber/network_builder.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 
 namespace limber::bench {
 
@@ -31,11 +27,6 @@ constexpr double kCubeSpacing = 2.0;   // m from cube to cube, of 1 m
 constexpr double kDrop = 0.5;          // m
 constexpr double kClearance = 1e-3;    // m between a resting cube and the floor at first
 constexpr double kHigh = 100.0;        // m: no body comes near the floor during the measurement
-
-std::uint32_t countOf(Crowd crowd, bool quick) {
-  const std::uint32_t full[] = {64, 512, 4096, 2560}, few[] = {2, 4, 8, 6};
-  return (quick ? few : full)[static_cast<int>(crowd)];
-}
 
 double heightOf(Role role) {
   if (role == Role::Airborne) return kHigh;
@@ -73,63 +64,37 @@ void setTimes(ContactScene& scene, bool quick) {
   if (quick && scene.role == Role::Airborne) scene.measuredTicks = 20;
 }
 
-ContactScene cubeScene(Role role, Crowd crowd, bool quick) {
-  const std::uint32_t count = countOf(crowd, quick);
+ContactScene cubeScene(Role role, std::uint32_t count, bool quick) {
   ContactScene scene;
   scene.name = std::to_string(count) + " cubes " + nameOf(role);
   scene.role = role;
-  scene.crowd = crowd;
   scene.bodies = cubes(role, count);
   const double halfWidth = 0.5 * kCubeSpacing * std::ceil(std::sqrt(double(count))) + 5.0;
-  scene.addRigidBodies = [halfWidth](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addBox(rigid, world, {halfWidth, 1, halfWidth}, 0, {0, -1, 0}, 0.5);
+  scene.addRigidBodies = [halfWidth](RigidBodies& rigid) {
+    addBox(rigid, {halfWidth, 1, halfWidth}, 0, {0, -1, 0}, 0.5);
   };
   scene.distance = [](const Eigen::Vector3d& x) { return x.y(); };
-  scene.withOthers = crowd != Crowd::RealTime;
   setTimes(scene, quick);
   return scene;
 }
 
-void addCubeScenes(std::vector<ContactScene>& scenes, bool quick) {
-  for (const Role role : {Role::Airborne, Role::Landing, Role::Rest, Role::Asleep})
-    for (const Crowd crowd : {Crowd::Small, Crowd::Middle, Crowd::Large})
-      scenes.push_back(cubeScene(role, crowd, quick));
-  scenes.push_back(cubeScene(Role::Rest, Crowd::RealTime, quick));
-}
+}  // namespace
 
 // --- a cloth and a lattice ---
 
-/// Returns the index of a point. Neighbours along x, axis 0, have the largest difference of indices.
-std::uint32_t indexOf(const std::array<int, 3>& cell, int side) {
-  return static_cast<std::uint32_t>((cell[0] * side + cell[1]) * side + cell[2]);
-}
-
-/// Returns the right-handed quad in layer `at` of an axis. Its lowest corner is (i, j) along the other two.
-std::array<std::uint32_t, 4> quadOf(std::size_t axis, int at, int i, int j, int side) {
-  const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-  std::array<std::uint32_t, 4> quad{};
-  const int offsets[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  for (std::size_t k = 0; k < 4; ++k) {
-    std::array<int, 3> cell{};
-    cell[axis] = at;
-    cell[u] = i + offsets[k][0];
-    cell[v] = j + offsets[k][1];
-    quad[k] = indexOf(cell, side);
-  }
-  return quad;
-}
-
-}  // namespace
-
 std::vector<Triangle> boxSurface(int side) {
+  const auto count = static_cast<std::uint32_t>(side);
+  const std::uint32_t strides[] = {count * count, count, 1};  // of a point's index along x, y and z
   std::vector<Triangle> triangles;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (int i = 0; i + 1 < side; ++i)
-      for (int j = 0; j + 1 < side; ++j) {
-        const auto far = quadOf(axis, side - 1, i, j, side), near = quadOf(axis, 0, i, j, side);
-        triangles.insert(triangles.end(), {{far[0], far[1], far[2]}, {far[0], far[2], far[3]}});
-        triangles.insert(triangles.end(), {{near[0], near[2], near[1]}, {near[0], near[3], near[2]}});
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint32_t u = strides[(axis + 1) % 3], v = strides[(axis + 2) % 3];
+    for (std::uint32_t i = 0; i + 1 < count; ++i)
+      for (std::uint32_t j = 0; j + 1 < count; ++j) {
+        const std::uint32_t near = i * u + j * v, far = near + (count - 1) * strides[axis];
+        triangles.insert(triangles.end(), {{far, far + u, far + u + v}, {far, far + u + v, far + v}});
+        triangles.insert(triangles.end(), {{near, near + u + v, near + u}, {near, near + v, near + u + v}});
       }
+  }
   return triangles;
 }
 
@@ -139,19 +104,14 @@ constexpr double kClothWidth = 2.4, kClothRadius = 0.01, kBallRadius = 0.75;  //
 constexpr double kGround = -2.0;                                              // m
 
 /// Adds a ball at the origin, and a floor below for bodies that fall off.
-void addBallAndFloor(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  addBox(rigid, world, {10, 1, 10}, 0, {0, kGround - 1, 0}, 0.5);
-  auto shape = std::make_unique<btSphereShape>(static_cast<btScalar>(kBallRadius));
-  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shape.get());
-  info.m_friction = btScalar(1);
-  rigid.bodies.push_back(std::make_unique<btRigidBody>(info));
-  world.addRigidBody(rigid.bodies.back().get());
-  rigid.shapes.push_back(std::move(shape));
+void addBallAndFloor(RigidBodies& rigid) {
+  addBox(rigid, {10, 1, 10}, 0, {0, kGround - 1, 0}, 0.5);
+  addBody(rigid, std::make_unique<btSphereShape>(static_cast<btScalar>(kBallRadius)), 0, {0, 0, 0}, 1);
 }
 
 /// Returns a cloth that falls onto a ball and hangs down from it, above the floor. The ratio of the dampers
 /// to critical damping does not depend on the stiffness (N/m).
-ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd crowd) {
+ContactScene clothScene(bool quick, const char* name, double stiffness) {
   const int side = quick ? 12 : 64;
   BodySetup cloth = bodyOf(clothNetwork(side), 0.6, stiffness, 0.5 * std::sqrt(stiffness / 500.0));
   cloth.settings.scale.setConstant(kClothWidth);
@@ -162,7 +122,6 @@ ContactScene clothScene(bool quick, const char* name, double stiffness, Crowd cr
   ContactScene scene;
   scene.name = name + std::to_string(side) + " x " + std::to_string(side);
   scene.role = Role::Cloth;
-  scene.crowd = crowd;
   scene.bodies = {cloth};
   scene.addRigidBodies = addBallAndFloor;
   scene.distance = [](const Eigen::Vector3d& x) { return std::min(x.norm() - kBallRadius, x.y() - kGround); };
@@ -187,20 +146,11 @@ ContactScene denseScene(bool quick) {
   scene.bodies = {body};
   scene.withBudgets = true;
   scene.name = "dense body of " + std::to_string(network->restPoints.size()) + " points";
-  scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFloor(rigid, world, Floor::Box, 0.5);
-  };
+  scene.addRigidBodies = [](RigidBodies& rigid) { addFloor(rigid, Floor::Box, 0.5); };
   scene.distance = [](const Eigen::Vector3d& x) { return x.y(); };
   scene.settleTicks = 60;
   scene.measuredTicks = quick ? 20 : 40;
   return scene;
-}
-
-void addLargeBodies(std::vector<ContactScene>& scenes, bool quick) {
-  scenes.push_back(clothScene(quick, "cloth of ", 500.0, Crowd::Small));
-  scenes.push_back(clothScene(quick, "soft cloth of ", 5.0, Crowd::Middle));
-  scenes.push_back(clothScene(quick, "stiff cloth of ", 5e4, Crowd::Large));
-  scenes.push_back(denseScene(quick));
 }
 
 // --- a pile in a bin ---
@@ -218,9 +168,7 @@ SharedNetwork braced(const TriangleMesh& mesh, double scale) {
   for (auto& p : sized.positions) p *= scale;
   NetworkSettings settings;
   settings.braceWeight = 1.0;
-  Result<SharedNetwork> network = buildNetwork(sized, settings);
-  if (!network) throw std::runtime_error(network.error());
-  return *network;
+  return valueOf(buildNetwork(sized, settings));
 }
 
 /// Returns cubes, flat boxes, and balls of 12 and of 42 points.
@@ -253,12 +201,12 @@ std::vector<BodySetup> bodiesOf(int count) {
   return bodies;
 }
 
-void addBin(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  addBox(rigid, world, {kHalf + 2 * kThick, 1, kHalf + 2 * kThick}, 0, {0, -1, 0}, 0.5);
+void addBin(RigidBodies& rigid) {
+  addBox(rigid, {kHalf + 2 * kThick, 1, kHalf + 2 * kThick}, 0, {0, -1, 0}, 0.5);
   for (const double side : {-1.0, 1.0}) {
     const double at = side * (kHalf + kThick);
-    addBox(rigid, world, {kThick, kTall, kHalf + 2 * kThick}, 0, {at, kTall, 0}, 0.5);
-    addBox(rigid, world, {kHalf, kTall, kThick}, 0, {0, kTall, at}, 0.5);
+    addBox(rigid, {kThick, kTall, kHalf + 2 * kThick}, 0, {at, kTall, 0}, 0.5);
+    addBox(rigid, {kHalf, kTall, kThick}, 0, {0, kTall, at}, 0.5);
   }
 }
 
@@ -267,7 +215,7 @@ double distance(const Eigen::Vector3d& x) {
   return std::min({x.y(), kHalf - std::abs(x.x()), kHalf - std::abs(x.z())});
 }
 
-void addPile(std::vector<ContactScene>& scenes, bool quick) {
+ContactScene pileScene(bool quick) {
   const int count = quick ? 8 : 200;
   ContactScene scene;
   scene.name = "pile of " + std::to_string(count);
@@ -277,16 +225,23 @@ void addPile(std::vector<ContactScene>& scenes, bool quick) {
   scene.distance = distance;
   scene.size = kSize;
   scene.settleTicks = quick ? 60 : 240;
-  scenes.push_back(std::move(scene));
+  return scene;
 }
 
 }  // namespace
 
 std::vector<ContactScene> allContactScenes(bool quick) {
+  const std::vector<std::uint32_t> few = {2, 4, 8}, many = {64, 512, 4096};
   std::vector<ContactScene> scenes;
-  addCubeScenes(scenes, quick);
-  addLargeBodies(scenes, quick);
-  addPile(scenes, quick);
+  for (const Role role : {Role::Airborne, Role::Landing, Role::Rest, Role::Asleep})
+    for (const std::uint32_t count : quick ? few : many) scenes.push_back(cubeScene(role, count, quick));
+  scenes.push_back(cubeScene(Role::Rest, quick ? 6 : 2560, quick));  // in real time
+  scenes.back().withOthers = false;
+  scenes.push_back(clothScene(quick, "cloth of ", 500.0));
+  scenes.push_back(clothScene(quick, "soft cloth of ", 5.0));
+  scenes.push_back(clothScene(quick, "stiff cloth of ", 5e4));
+  scenes.push_back(denseScene(quick));
+  scenes.push_back(pileScene(quick));
   return scenes;
 }
 

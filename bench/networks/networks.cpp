@@ -18,13 +18,18 @@
 #include <array>
 #include <random>
 #include <set>
-#include <stdexcept>
+#include <tuple>
 
 namespace limber::bench {
 namespace {
 
 constexpr const char* kDefaultRule = "pipeline (default)";
-const char* const kRules[] = {"edges alone", "equal length", "two rings", kDefaultRule, "random, as many"};
+constexpr const char* kRandom = "random, as many";
+const std::pair<const char*, BraceRule> kRules[] = {{"edges alone", BraceRule::None},
+                                                    {"equal length", BraceRule::EqualLength},
+                                                    {"two rings", BraceRule::TwoRing},
+                                                    {kDefaultRule, BraceRule::Pipeline},
+                                                    {kRandom, BraceRule::None}};
 const char* const kKinds[kDeformations] = {"squash", "twist",   "noise",    "push",
                                            "mirror", "flatten", "inversion"};
 constexpr std::uint64_t kSeed = 1000;  // of the deformations: none that the pipeline has tried
@@ -77,12 +82,8 @@ void measureCounts(const Options& options, Results& results) {
 SharedNetwork cookWith(const TriangleMesh& mesh, BraceRule rule) {
   NetworkSettings settings;
   settings.braces = rule;
-  Result<SharedNetwork> network = buildNetwork(mesh, settings);
-  if (!network) throw std::runtime_error(network.error());
-  return *network;
+  return valueOf(buildNetwork(mesh, settings));
 }
-
-bool inOrder(const NetworkSpring& s, const NetworkSpring& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; }
 
 /// As many braces as asked for between random pairs that have no spring.
 SharedNetwork withRandomBraces(const SpringNetwork& bare, std::size_t braces, double weight) {
@@ -98,17 +99,10 @@ SharedNetwork withRandomBraces(const SpringNetwork& bare, std::size_t braces, do
     if (a == b || !taken.emplace(std::min(a, b), std::max(a, b)).second) continue;
     network->springs.push_back({std::min(a, b), std::max(a, b), SpringKind::Brace, weight});
   }
-  std::sort(network->springs.begin(), network->springs.end(), inOrder);
+  std::sort(
+      network->springs.begin(), network->springs.end(),
+      [](const NetworkSpring& s, const NetworkSpring& t) { return std::tie(s.a, s.b) < std::tie(t.a, t.b); });
   return network;
-}
-
-/// Random braces are as many as those of the pipeline.
-SharedNetwork networkOf(const TriangleMesh& mesh, const std::string& rule, std::size_t pipelineBraces) {
-  if (rule == "edges alone") return cookWith(mesh, BraceRule::None);
-  if (rule == "equal length") return cookWith(mesh, BraceRule::EqualLength);
-  if (rule == "two rings") return cookWith(mesh, BraceRule::TwoRing);
-  if (rule == kDefaultRule) return cookWith(mesh, BraceRule::Pipeline);
-  return withRandomBraces(*cookWith(mesh, BraceRule::None), pipelineBraces, kPipelineWeight);
 }
 
 std::size_t countBraces(const SpringNetwork& network) {
@@ -131,21 +125,22 @@ std::array<ReturnRate, kDeformations> returnsOf(const SpringNetwork& network, st
 
 void addReturns(const Subject& subject, const std::array<ReturnRate, kDeformations>& rates,
                 Results& results) {
-  double runs = 0.0, returned = 0.0, worst = 100.0;
+  double runs = 0.0, returned = 0.0;
   for (std::size_t kind = 0; kind < kDeformations; ++kind) {
     runs += rates[kind].runs, returned += rates[kind].returned;
-    worst = std::min(worst, 100.0 * rates[kind].rate());
     results.add(subject, std::string("returns, ") + kKinds[kind], "%", 100.0 * rates[kind].rate());
   }
   results.add(subject, "returns", "%", runs > 0.0 ? 100.0 * returned / runs : 0.0);
   results.add(subject, "runs", "", runs);
 }
 
-/// Deforms a shape with the springs of a rule. Returns the number of braces.
-std::size_t measureShape(const network_shapes::NamedShape& shape, const std::string& rule,
+/// Deforms a shape with the springs of a rule. Random braces are as many as those of the pipeline. Returns
+/// the number of braces.
+std::size_t measureShape(const network_shapes::NamedShape& shape, const char* rule, BraceRule braceRule,
                          std::size_t pipelineBraces, const AnalysisSettings& settings, Results& results) {
   const Stopwatch watch;
-  const SharedNetwork network = networkOf(shape.make(), rule, pipelineBraces);
+  SharedNetwork network = cookWith(shape.make(), braceRule);
+  if (rule == kRandom) network = withRandomBraces(*network, pipelineBraces, kPipelineWeight);
   const double seconds = 1e-3 * watch.time().cpuMs;
   const std::size_t braces = countBraces(*network);
   const Subject subject{"returns", shape.name, "Limber", rule};
@@ -176,18 +171,16 @@ constexpr std::uint32_t kRunsOfEach = 2;
 /// Cooks a rabbit of so many points, and lets it return a few times to see that it is as good as other
 /// bodies.
 void measureLarge(double cell, std::uint32_t points, Results& results) {
-  const Result<TriangleMesh> mesh = simplify(test_shapes::rabbit(cell), points);
-  if (!mesh) throw std::runtime_error(mesh.error());
+  const TriangleMesh mesh = valueOf(simplify(test_shapes::rabbit(cell), points));
   const Stopwatch watch;
-  const Result<SharedNetwork> network = buildNetwork(*mesh);
-  if (!network) throw std::runtime_error(network.error());
+  const SharedNetwork network = valueOf(buildNetwork(mesh));
   const double seconds = 1e-3 * watch.time().cpuMs;
   const Subject subject{"cooking", format("rabbit, %u points", points), "Limber", kDefaultRule};
-  results.add(subject, "points", "", static_cast<double>((*network)->restPoints.size()));
-  results.add(subject, "braces per point", "", bracesPerPoint(**network));
+  results.add(subject, "points", "", static_cast<double>(network->restPoints.size()));
+  results.add(subject, "braces per point", "", bracesPerPoint(*network));
   results.add(subject, "cooking", "s", seconds);
   results.add(subject, "memory so far", "MB", peakMegabytes());
-  addReturns(subject, returnsOf(**network, kRunsOfEach * kDeformations), results);
+  addReturns(subject, returnsOf(*network, kRunsOfEach * kDeformations), results);
 }
 
 constexpr const char* kModels[] = {"animal", "figure", "teapot", "head", "ogre", "bunny", "car", "puppet"};
@@ -211,17 +204,16 @@ void drop(const std::string& file, const Subject& subject, Results& results) {
   scenes::SceneOptions options;
   options.meshFile = file;
   options.count = kDropped;
-  const scenes::SceneResult scene = scenes::createMeshDrop(options);
-  if (!scene) throw std::runtime_error(scene.error());
-  for (int i = 0; i < kDropTicks; ++i) scenes::tick(**scene);
+  const std::unique_ptr<scenes::Scene> scene = valueOf(scenes::createMeshDrop(options));
+  for (int i = 0; i < kDropTicks; ++i) scenes::tick(*scene);
   double error = 0.0;
-  for (std::size_t b = 0; b < (*scene)->soft->bodyCount(); ++b) {
-    const SoftBody& body = *(*scene)->soft->body(b);
+  for (std::size_t b = 0; b < scene->soft->bodyCount(); ++b) {
+    const SoftBody& body = *scene->soft->body(b);
     if (body.network().kind == NetworkKind::Solid)
       error = std::max(error, scenes::shapeError(body).relativeRms);
   }
   results.add(subject, "shape error", "%", 100.0 * error);
-  const std::string reason = scenes::checkEnd(**scene);
+  const std::string reason = scenes::checkEnd(*scene);
   results.add(subject, "failed end check", "", !reason.empty());
   if (!reason.empty()) results.note(subject, "end check", reason);
 }
@@ -241,15 +233,14 @@ void addCounts(const CookedMesh& cooked, const Subject& subject, Results& result
 
 /// Cooks, deforms and drops a difficult mesh of meshes/. Sheets and ropes have no shape to return to.
 void measureModel(const std::string& name, std::uint32_t runs, Results& results) {
-  const Result<TriangleMesh> mesh = importMesh(fileOf(name));
-  if (!mesh) throw std::runtime_error(mesh.error());
+  const TriangleMesh mesh = valueOf(importMesh(fileOf(name)));
   const Stopwatch watch;
-  const Result<CookedMesh> cooked = cook(*mesh);
+  const Result<CookedMesh> cooked = cook(mesh);
   if (!cooked) throw std::runtime_error(name + ": " + cooked.error());
   const double seconds = 1e-3 * watch.time().cpuMs;
   const Subject subject{"any mesh", name, "Limber", "cook()"};
   results.note(subject, "form", formOf(*cooked));
-  results.add(subject, "vertices", "", static_cast<double>(mesh->positions.size()));
+  results.add(subject, "vertices", "", static_cast<double>(mesh.positions.size()));
   addCounts(*cooked, subject, results);
   results.add(subject, "cooking", "s", seconds);
   results.add(subject, "memory so far", "MB", peakMegabytes());
@@ -274,10 +265,10 @@ void measureReturnsOfShapes(const Options& options, Results& results) {
   for (const network_shapes::NamedShape& shape : network_shapes::solids()) {
     if (!options.wantsScene(shape.name) || (options.quick && !isSmall(shape.name))) continue;
     std::size_t braces = 0;
-    for (const char* rule : kRules) {
-      const bool needed = rule == kDefaultRule && options.wantsEngine("Limber", kRules[4]);
+    for (const auto& [rule, braceRule] : kRules) {
+      const bool needed = rule == kDefaultRule && options.wantsEngine("Limber", kRandom);
       if (!options.wantsEngine("Limber", rule) && !needed) continue;
-      const std::size_t own = measureShape(shape, rule, braces, settings, results);
+      const std::size_t own = measureShape(shape, rule, braceRule, braces, settings, results);
       if (rule == kDefaultRule) braces = own;
       progress.finish(shape.name + std::string(" ") + rule);
     }
@@ -293,24 +284,20 @@ void measureModels(const Options& options, Results& results) {
   }
 }
 
-bool wantsPart(const Options& options, const std::string& part) {
-  const std::vector<std::string> parts = options.words("part", {});
-  // large bodies and models take minutes
-  if (parts.empty()) return !options.quick || (part != "large" && part != "models");
-  return std::find(parts.begin(), parts.end(), part) != parts.end();
-}
-
 void runNetworks(const Options& options, Results& results) {
-  if (wantsPart(options, "mechanisms")) measureCounts(options, results);
-  if (wantsPart(options, "returns")) measureReturnsOfShapes(options, results);
-  if (wantsPart(options, "masses")) measureMasses(options, results);
-  if (wantsPart(options, "skins")) measureSkins(options, results);
-  if (wantsPart(options, "materials")) measureMaterials(options, results);
-  if (wantsPart(options, "large") && options.wantsScene("rabbit")) {
+  std::vector<std::string> usual = {"mechanisms", "returns", "masses", "skins", "materials"};
+  if (!options.quick) usual.insert(usual.end(), {"large", "models"});  // they take minutes
+  const auto wants = [&](const char* part) { return options.hasWord("part", part, usual); };
+  if (wants("mechanisms")) measureCounts(options, results);
+  if (wants("returns")) measureReturnsOfShapes(options, results);
+  if (wants("masses")) measureMasses(options, results);
+  if (wants("skins")) measureSkins(options, results);
+  if (wants("materials")) measureMaterials(options, results);
+  if (wants("large") && options.wantsScene("rabbit")) {
     measureLarge(0.03, 300, results);
     measureLarge(0.01, 5000, results);
   }
-  if (wantsPart(options, "models")) measureModels(options, results);
+  if (wants("models")) measureModels(options, results);
 }
 
 std::vector<std::string> sceneNames(const Options& options) {
@@ -332,8 +319,6 @@ Bench networksBench() {
           "12 minutes",
           {{"part",
             "parts to measure",
-            0,
-            0,
             {"mechanisms", "returns", "masses", "skins", "materials", "large", "models"},
             true},
            {"runs", "runs per shape and rule", 1, 1e6},

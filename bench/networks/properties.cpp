@@ -20,17 +20,9 @@
 #include <cmath>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 
 namespace limber::bench {
 namespace {
-
-/// Throws std::runtime_error with the reason if there is no value.
-template <class T>
-T valueOf(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error());
-  return std::move(*result);
-}
 
 // --- masses ---
 

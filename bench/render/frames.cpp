@@ -109,12 +109,6 @@ float aspectOf(const FrameCase& frameCase) {
   return static_cast<float>(frameCase.width) / static_cast<float>(frameCase.height);
 }
 
-std::unique_ptr<render::GlContext> makeContext(const DrawContext& context) {
-  render::ContextDesc desc;
-  desc.backend = context.backend;
-  return render::createContext(desc);
-}
-
 render::InstanceLook lookOf(std::size_t body) {
   const auto shade = [body](std::size_t factor) {
     return 0.35f + 0.05f * static_cast<float>(body * factor % 11);
@@ -131,10 +125,10 @@ const std::vector<DrawPath>& drawPaths() {
   return kPaths;
 }
 
-const std::vector<DrawContext>& drawContexts() {
-  static const std::vector<DrawContext> kContexts = {{"osmesa", render::Backend::OSMesa},
-                                                     {"egl", render::Backend::Egl}};
-  return kContexts;
+std::unique_ptr<render::GlContext> makeContext(const DrawContext& context) {
+  render::ContextDesc desc;
+  desc.backend = context.backend;
+  return render::createContext(desc);
 }
 
 FrameStage::FrameStage(const FrameCase& frameCase, const DrawPath& path, const DrawContext& context)
@@ -169,28 +163,22 @@ void FrameStage::write(const Frame& frame, const Eigen::Matrix3Xf& points) const
   }
 }
 
-/// The time at which all points were written, ms; so does the next.
-double FrameStage::drawItself(const Eigen::Matrix3Xf& points, const Stopwatch& watch) {
-  render::FrameWriter frame = renderer_->beginFrame();
-  write(frame, points);
-  const double written = watch.time().wallMs;
-  renderer_->draw(frame, camera_, light_);
-  return written;
-}
-
-double FrameStage::drawBaseline(const Eigen::Matrix3Xf& points, const Stopwatch& watch) {
-  baseline_->beginFrame();
-  write(*baseline_, points);
-  const double written = watch.time().wallMs;
-  baseline_->draw(camera_, light_);
-  return written;
-}
-
 FrameTimes FrameStage::play(const Eigen::Matrix3Xf& points) {
   context_->makeCurrent();
   const Stopwatch watch;
   const double processStart = processCpuMs();
-  const double written = baseline_ ? drawBaseline(points, watch) : drawItself(points, watch);
+  double written = 0.0;  // ms
+  if (baseline_) {
+    baseline_->beginFrame();
+    write(*baseline_, points);
+    written = watch.time().wallMs;
+    baseline_->draw(camera_, light_);
+  } else {
+    render::FrameWriter frame = renderer_->beginFrame();
+    write(frame, points);
+    written = watch.time().wallMs;
+    renderer_->draw(frame, camera_, light_);
+  }
   const double own = watch.time().cpuMs;
   renderer_->readPixels(image_);
   const render::FrameStats& stats = renderer_->lastFrame();

@@ -48,8 +48,6 @@ void pose(const FrameScene& scene, int frame, Eigen::Matrix3Xf& points);
 
 // --- paths and stages ---
 
-class Stopwatch;
-
 /// A method of drawing.
 struct DrawPath {
   const char* name;
@@ -67,7 +65,7 @@ struct DrawContext {
   render::Backend backend;
 };
 
-const std::vector<DrawContext>& drawContexts();
+std::unique_ptr<render::GlContext> makeContext(const DrawContext& context);
 
 /// What is drawn, and how large.
 struct FrameCase {
@@ -112,8 +110,6 @@ class FrameStage {
  private:
   template <class Frame>
   void write(const Frame& frame, const Eigen::Matrix3Xf& points) const;
-  double drawItself(const Eigen::Matrix3Xf& points, const Stopwatch& watch);
-  double drawBaseline(const Eigen::Matrix3Xf& points, const Stopwatch& watch);
 
   const FrameScene& scene_;
   DrawPath path_;
@@ -143,10 +139,5 @@ void addTimes(const Subject& subject, const std::vector<FrameTimes>& samples, Re
 /// compute shader, by the renderer on the CPU, or by the program with applySkin(), which then streams all
 /// vertices.
 void measureSkins(const DrawContext& context, bool quick, const Turns& turns, Results& results);
-
-/// Memory of the paths, memory.cpp. To be called before this process has made any context or thread: it
-/// forks.
-void measureMemory(std::size_t bodies, const std::vector<DrawContext>& contexts, const Options& options,
-                   Results& results);
 
 }  // namespace limber::bench

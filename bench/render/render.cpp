@@ -6,12 +6,18 @@
 
 #include <limber/render/png_writer_thread.h>
 
-#include <algorithm>
+#include <sys/wait.h>
+#include <unistd.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include <array>
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <optional>
 #include <set>
-#include <stdexcept>
 #include <thread>
 
 namespace limber::bench {
@@ -107,6 +113,84 @@ void measureFrames(const FrameCase& frameCase, const std::vector<DrawContext>& c
   for (const Run& run : runs) addRows(run, frameCase, results);
 }
 
+// --- memory of the paths ---
+
+/// What a child process tells its parent.
+struct Finding {
+  double buffers = 0.0, grown = 0.0;  ///< bytes
+};
+
+/// The second number of /proc/self/statm counts pages. 0 where there is no such file.
+double residentBytes() {
+#if defined(__GLIBC__)
+  malloc_trim(0);  // what compiling shaders has left over would hide what comes after
+#endif
+  std::ifstream file("/proc/self/statm");
+  double all = 0.0, resident = 0.0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+void playFrames(FrameStage& stage, const Eigen::Matrix3Xf& points) {
+  constexpr int kFrames = 8;
+  for (int frame = 0; frame < kFrames; ++frame) stage.play(points);
+}
+
+Finding drawAndMeasure(std::size_t bodies, const DrawPath& path, const DrawContext& context) {
+  const FrameScene scene = makeCubeScene(bodies);
+  Eigen::Matrix3Xf points;
+  pose(scene, 0, points);
+  FrameStage stage({&scene, 1280, 720, true}, path, context);
+  stage.addBodies(1);
+  playFrames(stage, points);
+  const double before = residentBytes();
+  stage.addBodies(bodies - 1);
+  playFrames(stage, points);
+  return {static_cast<double>(stage.bufferBytes()), before > 0.0 ? residentBytes() - before : 0.0};
+}
+
+[[noreturn]] void runChild(int pipe, std::size_t bodies, const DrawPath& path, const DrawContext& context) {
+  try {
+    const Finding finding = drawAndMeasure(bodies, path, context);
+    const bool told = write(pipe, &finding, sizeof finding) == sizeof finding;
+    _exit(told ? 0 : 1);
+  } catch (const std::exception&) {
+    _exit(1);
+  }
+}
+
+/// In a process of its own; empty if that fails.
+std::optional<Finding> measureInChild(std::size_t bodies, const DrawPath& path, const DrawContext& context) {
+  int ends[2];
+  if (pipe(ends) != 0) return std::nullopt;
+  std::fflush(nullptr);  // or the child would write it once more
+  const pid_t child = fork();
+  if (child == 0) runChild(ends[1], bodies, path, context);
+  close(ends[1]);
+  Finding finding;
+  const bool told = child > 0 && read(ends[0], &finding, sizeof finding) == sizeof finding;
+  close(ends[0]);
+  if (child > 0) waitpid(child, nullptr, 0);
+  return told ? std::optional<Finding>(finding) : std::nullopt;
+}
+
+/// To be called before this process has made any context or thread: it forks.
+void measureMemory(std::size_t bodies, const std::vector<DrawContext>& contexts, const Options& options,
+                   Results& results) {
+  for (const DrawContext& context : contexts)
+    for (const DrawPath& path : drawPaths()) {
+      if (!options.wantsEngine(path.name, context.name)) continue;
+      const std::optional<Finding> finding = measureInChild(bodies, path, context);
+      if (!finding) continue;
+      const Subject subject{"memory", format("%zu cubes", bodies), path.name, context.name};
+      results.add(subject, "buffers per cube", "B", finding->buffers / double(bodies));
+      // what a process that has drawn one cube grows by: staging, and with a software driver all of its
+      // memory
+      if (finding->grown > 0.0)
+        results.add(subject, "process per cube", "B", finding->grown / double(bodies));
+    }
+}
+
 // --- pictures as files ---
 
 demo::DemoOptions demoOptions() {
@@ -114,12 +198,6 @@ demo::DemoOptions demoOptions() {
   options.width = 1920;
   options.height = 1080;
   return options;
-}
-
-std::unique_ptr<scenes::Scene> makeDrop() {
-  scenes::SceneResult scene = scenes::createCubes({});
-  if (!scene) throw std::runtime_error(scene.error());
-  return std::move(*scene);
 }
 
 /// Times with or without files, ms.
@@ -132,7 +210,7 @@ struct Samples {
 class Drop {
  public:
   explicit Drop(const std::string& folder)
-      : folder_(folder), scene_(makeDrop()), renderer_(*scene_, demoOptions()) {
+      : folder_(folder), scene_(valueOf(scenes::createCubes({}))), renderer_(*scene_, demoOptions()) {
     renderer_.draw({}, image_);  // the first frame compiles shaders
   }
   ~Drop() {
@@ -197,8 +275,9 @@ void measurePng(const Turns& turns, Results& results) {
 // --- the bench ---
 
 std::vector<DrawContext> contextsOf(const Options& options) {
+  const DrawContext all[] = {{"osmesa", render::Backend::OSMesa}, {"egl", render::Backend::Egl}};
   std::vector<DrawContext> chosen;
-  for (const DrawContext& context : drawContexts())
+  for (const DrawContext& context : all)
     if (options.word("context", context.name) == context.name) chosen.push_back(context);
   return chosen;
 }
@@ -208,20 +287,13 @@ std::vector<DrawContext> workingContexts(const Options& options) {
   std::vector<DrawContext> working;
   for (const DrawContext& context : contextsOf(options)) {
     try {
-      render::ContextDesc desc;
-      desc.backend = context.backend;
-      render::createContext(desc);
+      makeContext(context);
       working.push_back(context);
     } catch (const std::exception& error) {
       std::fprintf(stderr, "limber-bench: without %s: %s\n", context.name, error.what());
     }
   }
   return working;
-}
-
-bool wantsPart(const Options& options, const std::string& part) {
-  const std::vector<std::string> parts = options.words("part", {part});
-  return std::find(parts.begin(), parts.end(), part) != parts.end();
 }
 
 /// Returns the turns, or quick ones, or as many as --set blocks asks for.
@@ -232,12 +304,12 @@ Turns turnsOf(const Options& options, Turns turns) {
 }
 
 void runRender(const Options& options, Results& results) {
+  const auto wants = [&](const char* part) { return options.hasWord("part", part, {part}); };
   // first, because it forks, and drivers start threads
-  if (wantsPart(options, "memory"))
-    measureMemory(options.quick ? 256 : 4096, contextsOf(options), options, results);
+  if (wants("memory")) measureMemory(options.quick ? 256 : 4096, contextsOf(options), options, results);
   const std::vector<DrawContext> contexts = workingContexts(options);
   Progress progress;
-  if (wantsPart(options, "frames")) {
+  if (wants("frames")) {
     const std::vector<FrameScene> scenes = scenesOf(options);
     for (const FrameCase& frameCase : casesOf(scenes, options)) {
       if (!options.wantsScene(describe(frameCase))) continue;
@@ -245,11 +317,11 @@ void runRender(const Options& options, Results& results) {
       progress.finish(describe(frameCase));
     }
   }
-  if (wantsPart(options, "skins") && !contexts.empty()) {
+  if (wants("skins") && !contexts.empty()) {
     measureSkins(contexts[0], options.quick, turnsOf(options, {5, 4}), results);
     progress.finish("skins");
   }
-  if (!wantsPart(options, "png")) return;
+  if (!wants("png")) return;
   measurePng(turnsOf(options, {10, 10}), results);
   progress.finish("frames as PNG");
 }
@@ -268,8 +340,8 @@ Bench renderBench() {
   return {"render",
           "drawing of many bodies, beside the method of the paper and of Bullet's example browser",
           "8 minutes",
-          {{"part", "parts to measure", 0, 0, {"frames", "memory", "skins", "png"}, true},
-           {"context", "kind of OpenGL context", 0, 0, {"osmesa", "egl"}},
+          {{"part", "parts to measure", {"frames", "memory", "skins", "png"}, true},
+           {"context", "kind of OpenGL context", {"osmesa", "egl"}},
            {"blocks", "turns of each path", 1, 1000}},
           &caseNames,
           &runRender};

@@ -7,18 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 namespace limber::bench {
 namespace {
 
 constexpr float kRadius = 2.0f;  // m
-
-template <class Value>
-Value required(Result<Value> result) {
-  if (!result) throw std::runtime_error(result.error());
-  return std::move(*result);
-}
 
 TriangleMesh meshOf(const render::Scenery& body) {
   TriangleMesh mesh;
@@ -37,14 +30,7 @@ TriangleMesh meshOf(const render::Scenery& body) {
 SharedNetwork coarseNetwork() {
   NetworkSettings settings;
   settings.braces = BraceRule::None;  // nothing is simulated
-  return required(buildNetwork(meshOf(render::makeUvSphere({}, kRadius, 8, 14)), settings));
-}
-
-Eigen::Matrix3Xf restOf(const SpringNetwork& network) {
-  Eigen::Matrix3Xf rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)].cast<float>();
-  return rest;
+  return valueOf(buildNetwork(meshOf(render::makeUvSphere({}, kRadius, 8, 14)), settings));
 }
 
 /// The scene with its body's points and surface replaced by those of the network.
@@ -59,7 +45,8 @@ FrameScene skinnedScene(const FrameScene& plain, const SpringNetwork& network) {
   scene.shape.vertexToPoint = network.render.vertexToPoint;
   for (const Triangle& t : network.render.triangles)
     scene.shape.triangles.insert(scene.shape.triangles.end(), t.begin(), t.end());
-  scene.rest = restOf(network);
+  const double* points = network.restPoints.front().data();
+  scene.rest = Eigen::Map<const Eigen::Matrix3Xd>(points, 3, scene.shape.pointCount).cast<float>();
   return scene;
 }
 
@@ -174,7 +161,7 @@ void measureSkins(const DrawContext& context, bool quick, const Turns& turns, Re
     for (const SkinKind kind : {SkinKind::Dense, SkinKind::Sparse}) {
       SkinSettings settings;
       settings.kind = kind;
-      const SharedNetwork network = required(withSkin(*coarse, mesh, settings));
+      const SharedNetwork network = valueOf(withSkin(*coarse, mesh, settings));
       measureWeights(kind == SkinKind::Dense ? "dense" : "sparse", skinnedScene(plain, *network),
                      network->render.skin, context, turns, results);
     }

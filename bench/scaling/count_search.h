@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -19,16 +20,27 @@ class CountSearch {
   explicit CountSearch(const CountSearchSettings& settings) : settings_(settings) {}
 
   /// The count to try, or nothing when the search is over.
-  std::optional<std::uint32_t> next() const;
+  std::optional<std::uint32_t> next() const {
+    if (doubling_) return doubled_;
+    const double fineEnough = std::max(1.0, settings_.resolution * passed_);
+    const bool isOver = !foundFailure() || double(failed_ - passed_) <= fineEnough;
+    return isOver ? std::nullopt : std::optional(middle());
+  }
+
   /// Whether the count that next() gives passes.
-  void report(bool passes);
+  void report(bool passes) {
+    // what passes by luck after a failure changes nothing
+    if (!doubling_ || !foundFailure()) (passes ? passed_ : failed_) = doubling_ ? doubled_ : middle();
+    if (!doubling_) return;
+    doubling_ = doubled_ != settings_.cap && !(foundFailure() && doubled_ >= settings_.always);
+    doubled_ = doubled_ > settings_.cap / 2 ? settings_.cap : 2 * doubled_;
+  }
 
   std::uint32_t largest() const { return passed_; }   ///< so far; 0: not even one passes
   bool foundFailure() const { return failed_ != 0; }  ///< false at the end: the cap passes
 
  private:
   std::uint32_t middle() const { return passed_ + (failed_ - passed_) / 2; }
-  void reportDoubled(bool passes);
 
   CountSearchSettings settings_;
   bool doubling_ = true;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "bullet_soft/body_start.h"
 #include "results.h"
-#include "scene/bodies.h"
-#include "scene/rigid_bodies.h"
-#include "stability/hard_case.h"
+#include "stability/stability.h"
 
 #include <Eigen/Geometry>
 
@@ -14,36 +11,10 @@
 namespace limber::bench {
 namespace {
 
-constexpr double kMaxDrag = 2.0;                    // 1/s, so that a body with drag still falls
 constexpr double kDragOfFalling = 2.0;              // 1/s: a body with drag must still fall
 constexpr double kShortest = 2.0, kLongest = 60.0;  // s
 
 }  // namespace
-
-double Dice::within(double limit) { return limit * (2.0 * (double(engine_()) / 4294967296.0) - 1.0); }
-
-Eigen::Vector3d Dice::vector(double limit) {
-  Eigen::Vector3d v;
-  for (int i = 0; i < 3; ++i) v[i] = within(limit);
-  return v;
-}
-
-Eigen::Matrix3Xd Dice::vectors(Eigen::Index count, double limit) {
-  Eigen::Matrix3Xd all(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) all.col(i) = vector(limit);
-  return all;
-}
-
-Eigen::Vector3d Dice::direction() {
-  Eigen::Vector3d v = vector(1.0);
-  while (v.squaredNorm() > 1.0 || v.squaredNorm() < 0.01) v = vector(1.0);
-  return v.normalized();
-}
-
-Eigen::Quaterniond Dice::rotation() {
-  const double angle = within(3.1);
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, direction()));
-}
 
 BodySetup hardCube(double stiffness, double damping, double size, double mass) {
   const double pointMass = mass / 8, critical = 2.0 * std::sqrt(stiffness * pointMass / 2.0);
@@ -53,12 +24,9 @@ BodySetup hardCube(double stiffness, double damping, double size, double mass) {
 }
 
 Eigen::Matrix3Xd restPositions(const BodySetup& body) {
-  const SoftBodySettings& s = body.settings;
-  const auto& rest = body.network->restPoints;
-  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(rest.size()));
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    points.col(i) = s.position + s.rotation * rest[static_cast<std::size_t>(i)].cwiseProduct(s.scale);
-  return points;
+  BodySetup atRest = body;
+  atRest.positions.resize(3, 0);
+  return startOf(atRest).positions;
 }
 
 double settleTime(const BodySetup& cube) {
@@ -102,8 +70,6 @@ void letFall(HardCase& hard, double seconds) {
   for (BodySetup& body : hard.bodies) body.drag = std::min(body.drag, kDragOfFalling);
 }
 
-std::string exponentName(const char* what, double value) { return format("%s %.0e", what, value); }
-
 // --- obstacles and partners ---
 
 namespace {
@@ -111,51 +77,24 @@ namespace {
 constexpr double kFriction = 1.0, kBoxExtent = 10.0, kMeshExtent = 6.0, kEdgeExtent = 100.0;
 constexpr double kMaxDepth = 2.0;  // radii: largest depth at which a point may end
 
-void addEdge(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  addBox(rigid, world, Eigen::Vector3d::Constant(kEdgeExtent), 0, {0, -kEdgeExtent * std::sqrt(2.0), 0},
-         kFriction);
-  btRigidBody& box = *rigid.bodies.back();
-  const btVector3 centre = box.getWorldTransform().getOrigin();
-  box.setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(std::atan(1.0))), centre));
+void addEdge(RigidBodies& rigid) {
+  const Eigen::Vector3d centre(0, -kEdgeExtent * std::sqrt(2.0), 0);
+  btRigidBody& box = addBox(rigid, Eigen::Vector3d::Constant(kEdgeExtent), 0, centre, kFriction);
+  const btQuaternion turn(btVector3(1, 0, 0), btScalar(std::atan(1.0)));
+  box.setWorldTransform(btTransform(turn, toBullet(centre)));
   box.setInterpolationWorldTransform(box.getWorldTransform());
-  world.updateSingleAabb(&box);
+  rigid.world->updateSingleAabb(&box);
 }
 
-/// Adds triangles of half a metre, so that a cube touches several. With many more, btSoftBody takes too long
-/// to remove them from its cache.
-void addMesh(RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-  const int cells = 24;
-  const double edge = 2.0 * kMeshExtent / cells;
-  auto mesh = std::make_unique<btTriangleMesh>();
-  const auto corner = [&](int i, int j) {
-    return toBullet({i * edge - kMeshExtent + 0.1, 0, j * edge - kMeshExtent + 0.07});
-  };
-  for (int i = 0; i < cells; ++i)
-    for (int j = 0; j < cells; ++j) {
-      mesh->addTriangle(corner(i, j), corner(i, j + 1), corner(i + 1, j));
-      mesh->addTriangle(corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1));
-    }
-  auto shape = std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true);
-  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shape.get());
-  info.m_friction = btScalar(kFriction);
-  rigid.bodies.push_back(std::make_unique<btRigidBody>(info));
-  world.addRigidBody(rigid.bodies.back().get());
-  rigid.shapes.push_back(std::move(shape));
-  rigid.meshes.push_back(std::move(mesh));
-}
-
-void add(RigidBodies& rigid, btDiscreteDynamicsWorld& world, Obstacle obstacle, double scale) {
-  switch (obstacle) {
-    case Obstacle::Plane:
-      return addFloor(rigid, world, Floor::Plane, kFriction);
-    case Obstacle::Box:
-      return addBox(rigid, world, scale * Eigen::Vector3d(kBoxExtent, 1, kBoxExtent), 0, {0, -scale, 0},
-                    kFriction);
-    case Obstacle::BoxEdge:
-      return addEdge(rigid, world);
-    case Obstacle::TriangleMesh:
-      return addMesh(rigid, world);
-  }
+void add(RigidBodies& rigid, Obstacle obstacle, double scale) {
+  if (obstacle == Obstacle::Plane) addFloor(rigid, Floor::Plane, kFriction);
+  if (obstacle == Obstacle::Box)
+    addBox(rigid, scale * Eigen::Vector3d(kBoxExtent, 1, kBoxExtent), 0, {0, -scale, 0}, kFriction);
+  if (obstacle == Obstacle::BoxEdge) addEdge(rigid);
+  // triangles of half a metre, so that a cube touches several; with many more, btSoftBody takes too long to
+  // remove them from its cache
+  if (obstacle == Obstacle::TriangleMesh)
+    addMesh(rigid, 0.1 - kMeshExtent, 0.07 - kMeshExtent, 24, 24, kMeshExtent / 12, kFriction);
 }
 
 /// Returns the distance (m) of a position from the obstacle. It is below 0 inside, and where only a body that
@@ -175,12 +114,6 @@ double outside(Obstacle obstacle, double scale, const Eigen::Vector3d& x) {
   return 0.0;
 }
 
-void setCentre(btRigidBody& body, const Eigen::Vector3d& centre) {
-  btTransform transform = btTransform::getIdentity();
-  transform.setOrigin(toBullet(centre));
-  body.setWorldTransform(transform);
-}
-
 }  // namespace
 
 const char* nameOf(Obstacle obstacle) {
@@ -191,43 +124,42 @@ const char* nameOf(Obstacle obstacle) {
 void setObstacle(HardCase& hard, Obstacle obstacle, double scale) {
   hard.sees = obstacle != Obstacle::Plane;
   hard.lowest = obstacle == Obstacle::BoxEdge ? -kEdgeExtent : 0.0;
-  hard.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    add(rigid, world, obstacle, scale);
-  };
+  hard.addRigidBodies = [=](RigidBodies& rigid) { add(rigid, obstacle, scale); };
   const double maxDepth = kMaxDepth * pointRadius(*hard.bodies[0].network, hard.bodies[0].settings);
   hard.allowed = [=](const Eigen::Vector3d& x) { return outside(obstacle, scale, x) >= -maxDepth; };
 }
 
-double Press::heightAt(double time) const {
-  const double downHeight = std::max(gap, top - down * time);
-  return downHeight + up * std::max(0.0, time - leaves());
-}
-
-void addPress(HardCase& hard, const Press& press) {
-  const double half = 0.5;
-  const auto centreAt = [=](double time) { return Eigen::Vector3d(0, press.heightAt(time) + half, 0); };
+void addPress(HardCase& hard, double gap) {
+  constexpr double kTop = 1.3;              // m, initial height of its lower face
+  constexpr double kDown = 1.0, kUp = 4.0;  // m/s
+  constexpr double kHalf = 0.5;             // m, half its thickness
+  const double leaves = (kTop - gap) / kDown + 0.5;
+  const auto centreAt = [=](double time) {
+    const double lower = std::max(gap, kTop - kDown * time) + kUp * std::max(0.0, time - leaves);
+    return Eigen::Vector3d(0, lower + kHalf, 0);
+  };
   const auto addFirst = hard.addRigidBodies;
-  hard.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFirst(rigid, world);
-    addBox(rigid, world, {kBoxExtent, half, kBoxExtent}, 0, centreAt(0.0), kFriction);
-    btRigidBody& plate = *rigid.bodies.back();
-    world.removeRigidBody(&plate);
+  hard.addRigidBodies = [=](RigidBodies& rigid) {
+    addFirst(rigid);
+    btRigidBody& plate = addBox(rigid, {kBoxExtent, kHalf, kBoxExtent}, 0, centreAt(0.0), kFriction);
+    rigid.world->removeRigidBody(&plate);
     plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     plate.setActivationState(DISABLE_DEACTIVATION);
-    world.addRigidBody(&plate);
+    rigid.world->addRigidBody(&plate);
   };
   hard.drive = [=](const RigidBodies& rigid, double time) {
-    setCentre(*rigid.bodies.back(), centreAt(time));
+    rigid.bodies.back()->setWorldTransform(
+        btTransform(btQuaternion::getIdentity(), toBullet(centreAt(time))));
   };
-  hard.energyFrom = press.leaves();
+  hard.energyFrom = leaves;
 }
 
 void addFallingBox(HardCase& hard, double mass, double height) {
   const Eigen::Vector3d half(0.7, 0.2, 0.7);
   const auto addFirst = hard.addRigidBodies;
-  hard.addRigidBodies = [=](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-    addFirst(rigid, world);
-    addBox(rigid, world, half, mass, {0.05, height + half.y(), -0.03}, kFriction);
+  hard.addRigidBodies = [=](RigidBodies& rigid) {
+    addFirst(rigid);
+    addBox(rigid, half, mass, {0.05, height + half.y(), -0.03}, kFriction);
   };
 }
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
-#include "stability/hard_case.h"
+#include "results.h"
+#include "stability/stability.h"
 
 #include <cmath>
 
 namespace limber::bench {
+namespace {
+
+const char* const kDamped[] = {"undamped", "damped"};
 
 // --- extreme parameters ---
-
-namespace {
 
 /// Displaces the points by up to `limit` times the size.
 void shake(BodySetup& body, Dice& dice, double limit) {
@@ -38,7 +40,7 @@ void addStiffnesses(std::vector<HardCase>& cases, bool quick) {
     for (unsigned seed = 1; seed <= (quick ? 1u : 2u); ++seed)
       for (const bool damped : {false, true}) {
         const double k = std::pow(10.0, exponent);
-        cases.push_back(shaken("stiffness", exponentName("k", k) + (damped ? " damped" : " undamped"), seed,
+        cases.push_back(shaken("stiffness", format("k %.0e %s", k, kDamped[damped]), seed,
                                hardCube(k, damped ? 0.3 : 0.0)));
       }
 }
@@ -47,11 +49,9 @@ void addStiffnesses(std::vector<HardCase>& cases, bool quick) {
 void setMassRatio(BodySetup& cube, double ratio, const std::vector<std::size_t>& heavy) {
   auto network = std::make_shared<SpringNetwork>(*cube.network);
   auto& fractions = network->massFractions;
-  fractions.assign(fractions.size(), 1.0);
-  for (const std::size_t i : heavy) fractions[i] = ratio;
-  double sum = 0.0;
-  for (const double fraction : fractions) sum += fraction;
-  for (double& fraction : fractions) fraction /= sum;
+  const double sum = double(fractions.size()) + double(heavy.size()) * (ratio - 1.0);
+  fractions.assign(fractions.size(), 1.0 / sum);
+  for (const std::size_t i : heavy) fractions[i] = ratio / sum;
   cube.network = network;
 }
 
@@ -63,10 +63,10 @@ void addMassRatios(std::vector<HardCase>& cases, bool quick) {
       for (const auto& [name, heavy] : loads)
         for (const bool damped : {false, true}) {
           BodySetup cube = hardCube(k, damped ? 1.0 : 0.0);
-          setMassRatio(cube, std::pow(10.0, exponent), heavy);
-          const std::string full = exponentName("ratio", std::pow(10.0, exponent)) + " " + name + " " +
-                                   exponentName("k", k) + (damped ? " damped" : " undamped");
-          cases.push_back(shaken("mass ratio", full, 1, cube));
+          const double ratio = std::pow(10.0, exponent);
+          setMassRatio(cube, ratio, heavy);
+          cases.push_back(shaken(
+              "mass ratio", format("ratio %.0e %s k %.0e %s", ratio, name, k, kDamped[damped]), 1, cube));
         }
 }
 
@@ -76,8 +76,7 @@ void addDampings(std::vector<HardCase>& cases, bool quick) {
       for (unsigned seed = 1; seed <= (quick ? 1u : 2u); ++seed) {
         if (quick && (k != 1e5 || damping == 0.01 || damping == 10.0)) continue;
         BodySetup cube = hardCube(k, damping);
-        HardCase hard =
-            shaken("damping", exponentName("x", damping) + " " + exponentName("k", k), seed, cube);
+        HardCase hard = shaken("damping", format("x %.0e k %.0e", damping, k), seed, cube);
         if (damping > 0.0 && settleTime(cube) > hard.seconds + 0.1) hard.recovers = false;
         cases.push_back(hard);
       }
@@ -94,121 +93,79 @@ void addSpins(std::vector<HardCase>& cases, bool quick) {
           BodySetup cube = hardCube(k, damping);
           cube.settings.rotation = dice.rotation();
           cube.settings.angularVelocity = speed * dice.direction();
-          HardCase hard = caseOf("spin",
-                                 exponentName("rad/s", speed) + " " + exponentName("k", k) +
-                                     (damping > 0.0 ? " damped" : " undamped"),
-                                 seed, cube);
+          HardCase hard =
+              caseOf("spin", format("rad/s %.0e k %.0e %s", speed, k, kDamped[damping > 0.0]), seed, cube);
           setFree(hard, dice);
           cases.push_back(hard);
         }
-}
-
-void addFreeCases(std::vector<HardCase>& cases, bool quick) {
-  addStiffnesses(cases, quick);
-  addMassRatios(cases, quick);
-  addDampings(cases, quick);
-  addSpins(cases, quick);
 }
 
 // --- extreme initial shapes ---
 
 constexpr double kDamping = 0.3;
 
+using Points = Eigen::Matrix3Xd;
+
 /// An initial shape that is not the rest shape.
 struct Start {
   const char* name;
-  Eigen::Matrix3Xd (*make)(const Eigen::Matrix3Xd& rest, Dice& dice);
-  bool inBalance = false;  ///< two points coincide with equal forces: no force separates them
+  void (*change)(Points& x, Dice& dice);  ///< from the rest positions
+  bool inBalance = false;                 ///< two points coincide with equal forces: no force separates them
 };
 
-Eigen::Matrix3Xd noise(const Eigen::Matrix3Xd& rest, Dice& dice) { return dice.vectors(rest.cols(), 1e-3); }
-
-/// Projects all points onto a plane; some of them then coincide.
-Eigen::Matrix3Xd flattened(const Eigen::Matrix3Xd& rest, Dice&) {
-  Eigen::Matrix3Xd x = rest;
-  x.row(1).setZero();
-  return x;
-}
-
-Eigen::Matrix3Xd nearlyFlat(const Eigen::Matrix3Xd& rest, Dice& dice) {
-  return flattened(rest, dice) + noise(rest, dice);
-}
-
-/// Inverts the body along one axis and doubles its length.
-Eigen::Matrix3Xd inverted(const Eigen::Matrix3Xd& rest, Dice& dice) {
-  Eigen::Matrix3Xd x = rest;
-  x.row(0) *= -2.0;
-  return x + noise(rest, dice);
-}
+void addNoise(Points& x, Dice& dice) { x += dice.vectors(x.cols(), 1e-3); }
 
 /// Moves one corner through the body and beyond the opposite corner.
-Eigen::Matrix3Xd cornerThrough(const Eigen::Matrix3Xd& rest, Dice& dice) {
-  Eigen::Matrix3Xd x = rest + noise(rest, dice);
-  x.col(0) = 1.5 * rest.col(7);
-  return x;
+void pushCornerThrough(Points& x, Dice& dice) {
+  const Eigen::Vector3d beyond = 1.5 * x.col(7);
+  addNoise(x, dice);
+  x.col(0) = beyond;
 }
 
 /// Moves the lower four points above the upper four.
-Eigen::Matrix3Xd halfThrough(const Eigen::Matrix3Xd& rest, Dice& dice) {
-  Eigen::Matrix3Xd x = rest + noise(rest, dice);
+void pushHalfThrough(Points& x, Dice& dice) {
+  addNoise(x, dice);
   for (Eigen::Index i = 0; i < x.cols(); ++i)
-    if (rest(1, i) < 0.0) x(1, i) += 1.6;
-  return x;
+    if (x(1, i) < 0.0) x(1, i) += 1.6;
 }
 
-Eigen::Matrix3Xd randomised(const Eigen::Matrix3Xd& rest, Dice& dice) {
-  return dice.vectors(rest.cols(), 0.5);
-}
+void flatten(Points& x) { x.row(1).setZero(); }  // some points then coincide
 
-Eigen::Matrix3Xd scattered(const Eigen::Matrix3Xd& rest, Dice& dice) {
-  return dice.vectors(rest.cols(), 3.0);
-}
+/// Inverts the body along one axis and doubles its length.
+void invert(Points& x) { x.row(0) *= -2.0; }
 
-Eigen::Matrix3Xd onePair(const Eigen::Matrix3Xd& rest, Dice&) {
-  Eigen::Matrix3Xd x = rest;
-  x.col(1) = x.col(0);
-  return x;
-}
+const std::vector<Start> kMisshapen = {
+    {"flat", [](Points& x, Dice&) { flatten(x); }, true},
+    {"nearly flat", [](Points& x, Dice& dice) { flatten(x), addNoise(x, dice); }},
+    {"inverted", [](Points& x, Dice& dice) { invert(x), addNoise(x, dice); }},
+    {"corner through", pushCornerThrough},
+    {"half through", pushHalfThrough},
+    {"randomised", [](Points& x, Dice& dice) { x = dice.vectors(x.cols(), 0.5); }},
+    {"scattered", [](Points& x, Dice& dice) { x = dice.vectors(x.cols(), 3.0); }}};
 
-Eigen::Matrix3Xd allPairs(const Eigen::Matrix3Xd& rest, Dice&) {
-  Eigen::Matrix3Xd x = rest;
+void joinPairs(Points& x, Dice&) {
   for (Eigen::Index i = 0; i < 8; i += 2) x.col(i + 1) = x.col(i);
-  return x;
 }
 
-Eigen::Matrix3Xd sevenInOne(const Eigen::Matrix3Xd& rest, Dice&) {
-  Eigen::Matrix3Xd x = rest;
-  for (Eigen::Index i = 1; i < 8; ++i) x.col(i) = x.col(1);
-  return x;
-}
-
-Eigen::Matrix3Xd allInOne(const Eigen::Matrix3Xd& rest, Dice&) {
-  return Eigen::Matrix3Xd::Zero(3, rest.cols());
-}
-
-const Start kMisshapen[] = {{"flat", flattened, true},     {"nearly flat", nearlyFlat},
-                            {"inverted", inverted},        {"corner through", cornerThrough},
-                            {"half through", halfThrough}, {"randomised", randomised},
-                            {"scattered", scattered}};
-
-const Start kCoincident[] = {{"one pair", onePair, true},
-                             {"all pairs", allPairs, true},
-                             {"seven in one", sevenInOne, true},
-                             {"all in one", allInOne, true}};
+const std::vector<Start> kCoincident = {
+    {"one pair", [](Points& x, Dice&) { x.col(1) = x.col(0).eval(); }, true},
+    {"all pairs", joinPairs, true},
+    {"seven in one", [](Points& x, Dice&) { x.rightCols(7).colwise() = x.col(1).eval(); }, true},
+    {"all in one", [](Points& x, Dice&) { x.setZero(); }, true}};
 
 HardCase startedAs(const std::string& group, const Start& start, double k, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, kDamping);
-  cube.positions = start.make(restPositions(cube), dice);
-  HardCase hard = caseOf(group, start.name + (" " + exponentName("k", k)), seed, cube);
+  cube.positions = restPositions(cube);
+  start.change(cube.positions, dice);
+  HardCase hard = caseOf(group, format("%s k %.0e", start.name, k), seed, cube);
   hard.startsInBalance = start.inBalance;
   setFree(hard, dice);
   letSettle(hard);
   return hard;
 }
 
-template <std::size_t N>
-void addStarts(std::vector<HardCase>& cases, const std::string& group, const Start (&starts)[N],
+void addStarts(std::vector<HardCase>& cases, const std::string& group, const std::vector<Start>& starts,
                unsigned seeds, bool quick) {
   for (const Start& start : starts)
     for (const double k : {1e2, 1e4, 1e6})
@@ -238,7 +195,7 @@ HardCase doubledPoint(double k, unsigned seed) {
     cube.positions += dice.vectors(9, 0.1);
   else
     cube.positions.col(4) *= 1.2;  // the two points with the same rest position start at the same position
-  HardCase hard = caseOf("zero length", "in the network " + exponentName("k", k), seed, cube);
+  HardCase hard = caseOf("zero length", format("in the network k %.0e", k), seed, cube);
   setFree(hard, dice);
   letSettle(hard);
   return hard;
@@ -248,10 +205,8 @@ HardCase doubledPoint(double k, unsigned seed) {
 HardCase pulledTogether(double k, bool twoBodies, bool damped) {
   Dice dice(1);
   BodySetup cube = hardCube(k, damped ? kDamping : 0.0);
-  HardCase hard = caseOf("zero length",
-                         std::string(twoBodies ? "between bodies " : "within a body ") +
-                             exponentName("k", k) + (damped ? " damped" : " undamped"),
-                         1, cube);
+  const char* where = twoBodies ? "between bodies" : "within a body";
+  HardCase hard = caseOf("zero length", format("%s k %.0e %s", where, k, kDamped[damped]), 1, cube);
   SpringSettings spring;
   spring.restLength = 0.0;
   spring.stiffness = k;
@@ -274,12 +229,6 @@ void addZeroLengths(std::vector<HardCase>& cases, bool quick) {
   }
 }
 
-void addShapeCases(std::vector<HardCase>& cases, bool quick) {
-  addZeroLengths(cases, quick);
-  addStarts(cases, "coincident", kCoincident, 1, quick);
-  addStarts(cases, "misshapen", kMisshapen, 4, quick);
-}
-
 // --- extreme hits and loads ---
 
 constexpr Obstacle kObstacles[] = {Obstacle::Plane, Obstacle::BoxEdge, Obstacle::TriangleMesh};
@@ -292,7 +241,7 @@ HardCase impact(Obstacle obstacle, double k, unsigned seed) {
   cube.settings.rotation = dice.rotation();
   cube.settings.position = {0, 3.0 + dice.within(1.5), 0.2 * dice.within(1.0)};
   cube.settings.linearVelocity = Eigen::Vector3d(0, -100.0, 0) + dice.vector(2.0);
-  HardCase hard = caseOf("impact", nameOf(obstacle) + (" " + exponentName("k", k)), seed, cube);
+  HardCase hard = caseOf("impact", format("%s k %.0e", nameOf(obstacle), k), seed, cube);
   setObstacle(hard, obstacle);
   letSettle(hard);
   letFall(hard, 6.0);
@@ -314,13 +263,11 @@ HardCase crushed(double k, double damping, unsigned seed) {
   cube.settings.rotation =
       Eigen::AngleAxisd(0.02 * dice.within(1.0), dice.direction()) * Eigen::Quaterniond::Identity();
   cube.settings.position = {0, 0.5 + 1.5 * radius, 0};
-  HardCase hard = caseOf("crush", exponentName("k", k) + " " + exponentName("x", damping), seed, cube);
+  HardCase hard = caseOf("crush", format("k %.0e x %.0e", k, damping), seed, cube);
   setObstacle(hard, Obstacle::Box);
-  Press press;
-  press.gap = 2.5 * radius;
-  addPress(hard, press);
+  addPress(hard, 2.5 * radius);
   letSettle(hard);
-  hard.seconds = wholeTicks(press.leaves() + std::max(2.0, hard.seconds));
+  hard.seconds = wholeTicks(hard.energyFrom + std::max(2.0, hard.seconds));
   return hard;
 }
 
@@ -340,7 +287,7 @@ HardCase loaded(double k, unsigned seed) {
   cube.settings.rotation =
       Eigen::AngleAxisd(dice.within(0.5), Eigen::Vector3d::UnitY()) * Eigen::Quaterniond::Identity();
   cube.settings.position = {0, 0.5 + radius, 0};
-  HardCase hard = caseOf("heavy on soft", exponentName("k", k), seed, cube);
+  HardCase hard = caseOf("heavy on soft", format("k %.0e", k), seed, cube);
   setObstacle(hard, Obstacle::Box);
   addFallingBox(hard, 100.0, 2.0 + 2.0 * radius);
   letSettle(hard);
@@ -353,12 +300,6 @@ void addLoads(std::vector<HardCase>& cases, bool quick) {
   for (const double k : {1e3, 1e4, 1e5, 1e7})
     for (unsigned seed = 1; seed <= (quick ? 1u : 3u); ++seed)
       if (!quick || k == 1e4) cases.push_back(loaded(k, seed));
-}
-
-void addContactCases(std::vector<HardCase>& cases, bool quick) {
-  addImpacts(cases, quick);
-  addCrushes(cases, quick);
-  addLoads(cases, quick);
 }
 
 // --- sizes, stacks, long rest ---
@@ -382,10 +323,8 @@ HardCase flying(const Size& size, double k, double damping, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, damping, size.edge, size.mass);
   cube.positions = restPositions(cube) + dice.vectors(8, 0.2 * size.edge);
-  HardCase hard = caseOf(
-      "size",
-      std::string(size.name) + " free " + exponentName("k", k) + (damping > 0.0 ? " damped" : " undamped"),
-      seed, cube);
+  HardCase hard =
+      caseOf("size", format("%s free k %.0e %s", size.name, k, kDamped[damping > 0.0]), seed, cube);
   setFree(hard, dice);
   if (damping > 0.0) letSettle(hard);
   return hard;
@@ -396,7 +335,7 @@ HardCase dropped(const Size& size, double k, unsigned seed) {
   BodySetup cube = hardCube(k, 1.0, size.edge, size.mass);
   cube.settings.rotation = dice.rotation();
   cube.settings.position = {0, 2.0 * size.edge, 0};
-  HardCase hard = caseOf("size", std::string(size.name) + " dropped " + exponentName("k", k), seed, cube);
+  HardCase hard = caseOf("size", format("%s dropped k %.0e", size.name, k), seed, cube);
   setObstacle(hard, Obstacle::Box, size.edge);
   letSettle(hard);
   hard.recovers = carriesItself(hard, size.mass);
@@ -421,7 +360,7 @@ HardCase stack(double k, unsigned seed) {
   Dice dice(seed);
   BodySetup cube = hardCube(k, 1.0);
   const double radius = pointRadius(*cube.network, cube.settings);
-  HardCase hard = caseOf("stack of ten", exponentName("k", k), seed, cube);
+  HardCase hard = caseOf("stack of ten", format("k %.0e", k), seed, cube);
   letSettle(hard);
   cube.drag = hard.bodies[0].drag;
   hard.bodies.clear();
@@ -439,29 +378,29 @@ HardCase stack(double k, unsigned seed) {
 HardCase rest(Obstacle obstacle, double k, double seconds) {
   BodySetup cube = hardCube(k, 0.3);
   cube.settings.position = {0.1, 0.5 + pointRadius(*cube.network, cube.settings), 0.05};
-  HardCase hard = caseOf("hour of rest", std::string(nameOf(obstacle)) + " " + exponentName("k", k), 1, cube);
+  HardCase hard = caseOf("hour of rest", format("%s k %.0e", nameOf(obstacle), k), 1, cube);
   setObstacle(hard, obstacle);
   letSettle(hard);
   letFall(hard, seconds);
   return hard;
 }
 
-void addRestCases(std::vector<HardCase>& cases, bool quick) {
-  addSizes(cases, quick);
+void addStacks(std::vector<HardCase>& cases, bool quick) {
   for (const double k : {1e4, 1e6})
     for (unsigned seed = 1; seed <= (quick ? 1u : 2u); ++seed)
       if (!quick || k == 1e4) cases.push_back(stack(k, seed));
-  cases.push_back(rest(Obstacle::Box, 1e4, quick ? 30.0 : 3600.0));
 }
 
 }  // namespace
 
 std::vector<HardCase> allHardCases(bool quick) {
   std::vector<HardCase> cases;
-  addFreeCases(cases, quick);
-  addShapeCases(cases, quick);
-  addContactCases(cases, quick);
-  addRestCases(cases, quick);
+  for (const auto add : {addStiffnesses, addMassRatios, addDampings, addSpins, addZeroLengths})
+    add(cases, quick);
+  addStarts(cases, "coincident", kCoincident, 1, quick);
+  addStarts(cases, "misshapen", kMisshapen, 4, quick);
+  for (const auto add : {addImpacts, addCrushes, addLoads, addSizes, addStacks}) add(cases, quick);
+  cases.push_back(rest(Obstacle::Box, 1e4, quick ? 30.0 : 3600.0));
   return cases;
 }
 

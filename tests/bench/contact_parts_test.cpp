@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The measurements of the contact bench, compared with known values.
-#include "contact/contact_bench.h"
-#include "contact/contact_stage.h"
-#include "engines/engines.h"
-#include "scene/bodies.h"
+#include "contact/contact.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +17,7 @@ ContactScene fallingCube(int settle, int measured) {
   scene.bodies = {bodyOf(closedCubeNetwork(), 0.8, 1000.0, 1.0)};
   scene.bodies[0].settings.position.y() = 20.0;
   scene.bodies[0].settings.pointRadius = 0.02;
-  scene.addRigidBodies = [](RigidBodies&, btDiscreteDynamicsWorld&) {};
+  scene.addRigidBodies = [](RigidBodies&) {};
   scene.distance = [](const Eigen::Vector3d& x) { return x.y(); };
   scene.settleTicks = settle;
   scene.measuredTicks = measured;
@@ -111,9 +108,7 @@ TEST(SoftContacts, allHoldACubeOnAFloor) {
     ContactScene scene = fallingCube(0, 60);
     scene.bodies[0].settings.position.y() = 0.53;
     scene.bodies[0].drag = 1.0;
-    scene.addRigidBodies = [](RigidBodies& rigid, btDiscreteDynamicsWorld& world) {
-      addFloor(rigid, world, Floor::Box, 0.5);
-    };
+    scene.addRigidBodies = [](RigidBodies& rigid) { addFloor(rigid, Floor::Box, 0.5); };
     const EngineChoice choice{"btSoftBody", "", [=](const EngineUse& use) {
                                 return makeSoftBodyEngine(use.dt, 10, LinkStiffness::Full, contacts);
                               }};

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // All engines accept the same set-up.
-#include "engines/engine.h"
+#include "engines/engines.h"
 
 #include "bullet_soft/body_start.h"
-#include "engines/engines.h"
-#include "scene/bodies.h"
+#include "scene/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "scene/signals.h"
+#include "scene/reference.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // The bench's own reference solutions, compared with closed forms.
-#include "scene/spring_system.h"
+#include "scene/reference.h"
 
-#include "scene/bodies.h"
+#include "scene/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The measurements of the stability bench, compared with known values.
 #include "stability/stability.h"
-#include "stability/hard_case.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Zlib
-#include "scene/spring_system.h"
+#include "scene/reference.h"
 
 #include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace limber::bench {
+
+// --- springs ---
 namespace {
 
 /// Computes the forces of springs, dampers and load.
@@ -44,18 +47,7 @@ void setRoundedWeights(const Eigen::Vector3d& gravity, SpringSystem& system) {
   }
 }
 
-}  // namespace
-
-SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity) {
-  SpringSystem system;
-  system.springs = setup.network->springs;
-  system.start = startOf(setup);
-  system.free.setOnes(3, system.start.positions.cols());
-  for (const std::uint32_t pin : setup.pins) system.free.col(pin).setZero();
-  setRoundedWeights(gravity, system);
-  return system;
-}
-
+/// Returns an upper bound of the fastest oscillation (rad/s; Gershgorin's bound of the springs' matrix).
 double frequencyBound(const SpringSystem& system) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(system.start.masses.size());
   for (std::size_t i = 0; i < system.springs.size(); ++i) {
@@ -67,6 +59,18 @@ double frequencyBound(const SpringSystem& system) {
   for (const NetworkSpring& spring : system.springs)
     bound = std::max(bound, ratios[spring.a] + ratios[spring.b]);
   return std::sqrt(bound);
+}
+
+}  // namespace
+
+SpringSystem systemOf(const BodySetup& setup, const Eigen::Vector3d& gravity) {
+  SpringSystem system;
+  system.springs = setup.network->springs;
+  system.start = startOf(setup);
+  system.free.setOnes(3, system.start.positions.cols());
+  for (const std::uint32_t pin : setup.pins) system.free.col(pin).setZero();
+  setRoundedWeights(gravity, system);
+  return system;
 }
 
 State integrate(const SpringSystem& system, double seconds, double stepsPerRadian) {
@@ -112,17 +116,11 @@ void integrateAgainst(const SpringSystem& system, const Wall& wall, double secon
   }
 }
 
-namespace {
-
-/// m; the ends of a shorter spring coincide.
-constexpr double kCoincident = 1e-9;
-
-}  // namespace
-
 // A spring of k, length l, direction n and rest length L has, between its ends,
 //   gradient  k (l - L) n   and   Hessian  k n n^T + k (1 - L / l) (1 - n n^T)
 SpringDerivatives springDerivatives(const std::vector<NetworkSpring>& springs, const BodyStart& start,
                                     const Eigen::Matrix3Xd& x) {
+  constexpr double kCoincident = 1e-9;  // m; the ends of a shorter spring coincide
   SpringDerivatives d{Eigen::VectorXd::Zero(x.size()), Eigen::MatrixXd::Zero(x.size(), x.size())};
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto i = static_cast<Eigen::Index>(s);
@@ -203,6 +201,71 @@ Eigen::Matrix3Xd equilibrium(const SpringSystem& system) {
     if (!improve(system, d, stiffening, x)) break;
   }
   throw std::runtime_error("accuracy: no equilibrium found");
+}
+
+// --- signals ---
+
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr long kStencil = 6;
+
+/// Returns the time between `low` and `high` at which the signal crosses the level, by bisection.
+double crossingTime(const Signal& signal, double level, double low, double high) {
+  const bool below = signal.at(low) < level;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    ((signal.at(middle) < level) == below ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+double Signal::at(double t) const {
+  const auto count = static_cast<long>(samples.size());
+  const long points = std::min(kStencil, count);
+  const long first = std::clamp(static_cast<long>(std::floor(t / dt)) - kStencil / 2 + 1, 0l, count - points);
+  double sum = 0.0;
+  for (long i = first; i < first + points; ++i) {
+    double weight = 1.0;
+    for (long j = first; j < first + points; ++j)
+      if (j != i) weight *= (t / dt - static_cast<double>(j)) / static_cast<double>(i - j);
+    sum += weight * samples[static_cast<std::size_t>(i)];
+  }
+  return sum;
+}
+
+std::vector<double> fallsThroughZero(const Signal& signal) {
+  std::vector<double> falls;
+  for (std::size_t i = 1; i < signal.samples.size(); ++i)
+    if (signal.samples[i - 1] > 0 && signal.samples[i] <= 0)
+      falls.push_back(crossingTime(signal, 0.0, signal.dt * static_cast<double>(i - 1),
+                                   signal.dt * static_cast<double>(i)));
+  return falls;
+}
+
+double period(const Signal& signal) {
+  const std::vector<double> falls = fallsThroughZero(signal);
+  if (falls.size() < 2) return kNever;
+  return (falls.back() - falls.front()) / static_cast<double>(falls.size() - 1);
+}
+
+double amplitude(const Signal& signal, double from, double to) {
+  double largest = 0.0;
+  const double step = signal.dt / 32;
+  for (double t = std::max(from, 0.0); t <= std::min(to, signal.end()); t += step)
+    largest = std::max(largest, std::abs(signal.at(t)));
+  return largest;
+}
+
+double firstReaches(const Signal& signal, double level, double from) {
+  const auto first = static_cast<std::size_t>(std::ceil(from / signal.dt));
+  for (std::size_t i = first + 1; i < signal.samples.size(); ++i)
+    if ((signal.samples[i - 1] < level) != (signal.samples[i] < level))
+      return crossingTime(signal, level, signal.dt * static_cast<double>(i - 1),
+                          signal.dt * static_cast<double>(i));
+  return kNever;
 }
 
 }  // namespace limber::bench

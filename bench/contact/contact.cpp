@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Zlib
-#include "contact/contact_bench.h"
-
-#include "contact/contact_stage.h"
-#include "engines/engines.h"
+#include "contact/contact.h"
 #include "results.h"
-#include "scene/bodies.h"
+#include "scenes/overlap.h"
 #include "timing.h"
 
 #include <Eigen/LU>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -16,19 +15,109 @@
 
 namespace limber::bench {
 
+// --- a scene in an engine ---
+
+namespace {
+
+constexpr double kFar = 1e3;  // m, from the origin
+
+/// s of the thread per tick after the first, which initialises. Engines a hundred times too slow are stopped.
+constexpr double kTooSlow = 2.0;
+
+std::vector<Eigen::Matrix3Xd> allPositions(const Engine& engine, std::size_t count) {
+  std::vector<Eigen::Matrix3Xd> all;
+  for (std::size_t b = 0; b < count; ++b) all.push_back(engine.positions(b));
+  return all;
+}
+
+}  // namespace
+
+ContactStage::ContactStage(const ContactScene& scene, const EngineChoice& choice)
+    : scene_(scene), solids_(choice.engine != kLooseSpheres) {
+  engine_ = open(scene, choice, {kContactTick, scene.role == Role::Pile}, rigid_);
+  for (const BodySetup& body : scene.bodies) points_ += body.network->restPoints.size();
+}
+
+void ContactStage::tick() {
+  if (done_ + 1 == scene_.settleTicks + scene_.measuredTicks)
+    before_ = allPositions(*engine_, scene_.bodies.size());
+  const Stopwatch watch;
+  engine_->tick(kContactTick);
+  const WorkTime time = watch.time();
+  seconds_ += 1e-3 * time.cpuMs;
+  if (done_ > 0) laterSeconds_ += 1e-3 * time.cpuMs;
+  if (done_++ < scene_.settleTicks) return;
+  ticks_.push_back(time.cpuMs);
+  wallTicks_.push_back(time.wallMs);
+}
+
+/// Fails a scene whose bodies have left it: their times are meaningless.
+void ContactStage::checkPlaces() {
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const Eigen::Matrix3Xd x = engine_->positions(b);
+    if (!x.allFinite() || x.cwiseAbs().maxCoeff() > kFar) error_ = "flies apart";
+    for (Eigen::Index i = 0; error_.empty() && i < x.cols(); ++i)
+      if (scene_.distance(x.col(i)) < -scene_.size) error_ = "goes through what it should lie on";
+  }
+}
+
+void ContactStage::advance(int ticks, double timeLimit) {
+  for (int i = 0; i < ticks && !over(); ++i) {
+    tick();
+    const bool tooSlow = laterSeconds_ > kTooSlow * std::max(1, done_ - 1);
+    if ((tooSlow || seconds_ > timeLimit) && !over())
+      error_ = format("given up after %d ticks: %.0f ms each", done_, 1e3 * seconds_ / done_);
+  }
+  if (error_.empty()) checkPlaces();
+}
+
+double ContactStage::deepestPenetration() const {
+  double deepest = 0.0;
+  std::vector<scenes::PosedSurface> surfaces;
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const BodySetup& body = scene_.bodies[b];
+    const Eigen::Matrix3Xd x = engine_->positions(b);
+    const double radius = pointRadius(*body.network, body.settings);
+    for (Eigen::Index i = 0; i < x.cols(); ++i)
+      deepest = std::max(deepest, radius - scene_.distance(x.col(i)));
+    if (solids_ && scene_.role == Role::Pile) surfaces.push_back(scenes::posed(x, body.network->surface));
+  }
+  return std::max(deepest, scenes::deepestOverlap(surfaces).depth);
+}
+
+double ContactStage::stretch() const {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const SpringNetwork& network = *scene_.bodies[b].network;
+    const Eigen::Vector3d& scale = scene_.bodies[b].settings.scale;
+    const Eigen::Matrix3Xd x = engine_->positions(b);
+    for (const NetworkSpring& spring : network.springs) {
+      if (spring.kind != SpringKind::Structural) continue;
+      const Eigen::Vector3d rest = network.restPoints[spring.b] - network.restPoints[spring.a];
+      const double strain =
+          (x.col(spring.b) - x.col(spring.a)).norm() / rest.cwiseProduct(scale).norm() - 1.0;
+      sum += strain * strain, ++count;
+    }
+  }
+  return count > 0.0 ? std::sqrt(sum / count) : 0.0;
+}
+
+double ContactStage::residualSpeed() const {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < before_.size(); ++b) sum += (engine_->positions(b) - before_[b]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(points_)) / kContactTick;
+}
+
 // --- engines ---
 
 namespace {
 
-using Tune = std::function<void(SoftBodySettings&)>;
-
 /// Returns Limber as users have it: with the default volume term of closed bodies, which other benches omit.
-EngineChoice limber(const std::string& setting, const Tune& tune) {
-  const auto withVolume = [tune](SoftBodySettings& settings) {
+EngineChoice limber(const std::string& setting, const TuneSettings& tune) {
+  return limberChoice(setting, [tune](SoftBodySettings& settings) {
     settings.volumeModulus = SoftBodySettings().volumeModulus;
     tune(settings);
-  };
-  return {"Limber", setting, [withVolume](const EngineUse&) { return makeLimberEngine(withVolume); }};
+  });
 }
 
 /// Returns btSoftBody with links as stiff as the springs. It does not sleep in btSoftRigidDynamicsWorld.
@@ -97,17 +186,6 @@ std::optional<double> heapBytes() {
 constexpr double kLatticeSpacing = 1.0;                   // m: the broadphase sees no pairs
 constexpr double kBondReach = 1.1, kDiagonalReach = 1.5;  // spacings: 6 or 18 neighbours
 
-/// Returns side^3 points, with springs to the neighbours within `reach` spacings.
-SharedNetwork lattice(int side, double reach) {
-  auto network = std::make_shared<SpringNetwork>(*latticeNetwork(side, side, side, kLatticeSpacing));
-  std::vector<NetworkSpring> springs;
-  for (const NetworkSpring& s : network->springs)
-    if ((network->restPoints[s.a] - network->restPoints[s.b]).norm() < kLatticeSpacing * reach)
-      springs.push_back(s);
-  network->springs = springs;
-  return network;
-}
-
 /// Returns the bytes of each of `count` bodies of a network.
 double bytesOfBody(const SharedNetwork& network, int count) {
   const auto engine = makeLimberEngine();
@@ -130,8 +208,9 @@ std::optional<MemoryUse> measureMemory(bool quick) {
   const int count = quick ? 4 : 32;
   Eigen::Matrix3d counts;  // points, springs and 1 of three bodies
   Eigen::Vector3d bytes;
-  const SharedNetwork networks[] = {lattice(4, kBondReach), lattice(4, kDiagonalReach),
-                                    lattice(7, kBondReach)};
+  const SharedNetwork networks[] = {latticeNetwork(4, 4, 4, kLatticeSpacing, kBondReach),
+                                    latticeNetwork(4, 4, 4, kLatticeSpacing, kDiagonalReach),
+                                    latticeNetwork(7, 7, 7, kLatticeSpacing, kBondReach)};
   for (int i = 0; i < 3; ++i) {
     counts.row(i) << double(networks[i]->restPoints.size()), double(networks[i]->springs.size()), 1.0;
     bytes[i] = bytesOfBody(networks[i], count);
@@ -288,18 +367,17 @@ void runContact(const Options& options, Results& results) {
 }  // namespace
 
 Bench contactBench() {
-  return {
-      "contact",
-      "time of bodies that fly, land, rest, sleep, drape and pile up",
-      "30 minutes",
-      withEngineKeys({{"repeats", "repeats of each scene", 1, 100},
-                      {"patience", "seconds of an engine for a repeat of a scene", 0.001, 1e6},
-                      {"stiffness", "N/m, of all springs", 0, 1e12},
-                      {"damping", "N s/m, of all springs", 0, 1e12},
-                      {"friction", "of all bodies", 0, 1e6},
-                      {"flags", "compare kinds of collision of btSoftBody instead", 0, 0, {"yes", "no"}}}),
-      [](const Options& options) { return namesOf(wantedContactScenes(options)); },
-      &runContact};
+  return {"contact",
+          "time of bodies that fly, land, rest, sleep, drape and pile up",
+          "30 minutes",
+          withEngineKeys({{"repeats", "repeats of each scene", 1, 100},
+                          {"patience", "seconds of an engine for a repeat of a scene", 0.001, 1e6},
+                          {"stiffness", "N/m, of all springs", 0, 1e12},
+                          {"damping", "N s/m, of all springs", 0, 1e12},
+                          {"friction", "of all bodies", 0, 1e6},
+                          {"flags", "compare kinds of collision of btSoftBody instead", {"yes", "no"}}}),
+          [](const Options& options) { return namesOf(wantedContactScenes(options)); },
+          &runContact};
 }
 
 }  // namespace limber::bench
