@@ -197,8 +197,8 @@ constexpr double kKept = 0.8;
 
 /// Least change of the friction of a sliding contact in a sweep, as a share of its limit, towards the
 /// direction against the sliding. The frictions of several contacts of one body may cancel each other and
-/// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where a friction goes
-/// back against its last change, it has gone too far: its minimum becomes smaller by a factor.
+/// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where a friction
+/// goes back against its last change, it has gone too far: its minimum becomes smaller by a factor.
 constexpr double kMinFrictionChange = 0.1;
 constexpr double kAfterReversal = 0.3;
 
