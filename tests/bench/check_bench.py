@@ -213,7 +213,7 @@ def check_scaling(_, drawing, bench):
         for one in runs:
             check_scaling_run(one)
         check_hashes(runs)
-        expect("WARNING: runs" not in text and "largest number in real time" in text, text)
+        expect("WARNING: runs" not in text and "Largest number in real time" in text, text)
         folder.plots(bench, "scaling", "scaling")
 
 
@@ -222,7 +222,7 @@ def check_counts(_, drawing, __):
         found, text = folder.bench("scaling", *SMALL, "--set", "counts=3,5", "--engine", "loose,not drawn")
         measured = [(one.scene, one.engine) for one in found.runs]
         expect(measured == [(f"{n} cubes", e) for n in (3, 5) for e in ("loose spheres", "Limber")], f"{measured}")
-        expect("largest number" not in text, "nothing was searched")
+        expect("Largest number" not in text, "nothing was searched")
 
 
 def check_sleep(_, drawing, __):
