@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace limber {
@@ -197,22 +198,25 @@ constexpr double kKept = 0.8;
 
 /// Least change of the friction of a sliding contact in a sweep, as a share of its limit, towards the
 /// direction against the sliding. The frictions of several contacts of one body may cancel each other and
-/// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where a friction
-/// goes back against its last change, it has gone too far: its minimum becomes smaller by a factor.
+/// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where it makes a
+/// friction go back against its change in the sweep before, it was too large and becomes smaller by a factor:
+/// else the sweeps would step to and fro across the solution until the cones are fixed (see kFreeSweeps).
 constexpr double kMinFrictionChange = 0.1;
 constexpr double kAfterReversal = 0.3;
 
 /// m/s, replaces IslandConstraints::tolerance if there are only anchors, which hold to rounding.
 constexpr double kTightTolerance = 1e-10;
 
-/// Number of sweeps in which friction cones follow the normal impulses and friction has a least change. With
-/// both, the sweeps may cycle for ever. Without, they converge to the minimum of a convex energy. But cones
-/// that are fixed too early belong to an unfinished solve, which depends on the order of contacts.
+/// Number of sweeps in which friction cones follow the normal impulses and friction has a least change. These
+/// sweeps may cycle for ever: cones that follow are no convex problem, and a friction that turns never
+/// reverses. Without both, they converge to the minimum of a convex energy. But cones that are fixed too
+/// early belong to an unfinished solve, which depends on the order of contacts.
 constexpr int kFreeSweeps = 15;
 
 /// Changes the friction to the one that stops the sliding (u, v) (m/s). If that is outside the cone, makes a
 /// projected gradient step towards the least energy of the row alone, of at least `minChange` of the limit.
-inline void addFriction(const ContactConstraint& row, double u, double v, double minChange,
+/// Returns whether this minimum has made the step longer.
+inline bool addFriction(const ContactConstraint& row, double u, double v, double minChange,
                         ContactVector& sum) {
   const double* m = row.acrossMass;
   const double limit = row.maxFriction;
@@ -222,13 +226,15 @@ inline void addFriction(const ContactConstraint& row, double u, double v, double
   const double stopV = sum.v - (m[1] * u + m[2] * v);
   if (stopU * stopU + stopV * stopV <= limit * limit) {
     sum.u = stopU, sum.v = stopV;
-    return;
+    return false;
   }
   const double speed = std::sqrt(u * u + v * v);
-  const double mass = speed > 0.0 ? std::max(row.slidingMass, minChange * limit / speed) : 0.0;
+  const double least = speed > 0.0 ? minChange * limit / speed : 0.0;
+  const double mass = std::max(row.slidingMass, least);
   sum.u -= mass * u, sum.v -= mass * v;
   const double factor = coneFactor(sum.u * sum.u + sum.v * sum.v, limit);
   sum.u *= factor, sum.v *= factor;
+  return least > row.slidingMass;
 }
 
 /// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
@@ -241,10 +247,12 @@ inline void solveContact(IslandConstraints& rows, ContactConstraint& row, Contac
   sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - yielding) / (1.0 + row.softness));
   const double normalChange = sum.n - earlier.n;
   if (free) row.maxFriction = row.friction * sum.n;
-  addFriction(row, speeds.u + normalChange * row.acrossAlong[0], speeds.v + normalChange * row.acrossAlong[1],
-              free ? row.minFrictionChange : 0.0, sum);
+  const bool forced =
+      addFriction(row, speeds.u + normalChange * row.acrossAlong[0],
+                  speeds.v + normalChange * row.acrossAlong[1], free ? row.minFrictionChange : 0.0, sum);
   const ContactVector change{normalChange, sum.u - earlier.u, sum.v - earlier.v};
-  if (change.u * row.change.u + change.v * row.change.v < 0.0) row.minFrictionChange *= kAfterReversal;
+  if (forced && change.u * row.change.u + change.v * row.change.v < 0.0)
+    row.minFrictionChange *= kAfterReversal;
   applyImpulse(rows, row, change);
   row.change = change;
   total = sum;
@@ -383,6 +391,10 @@ struct Solve {
     return true;
   }
 
+  void restoreMinFriction() const {
+    for (const std::uint32_t i : rows.active) rows.rows[i].minFrictionChange = kMinFrictionChange;
+  }
+
   /// The limits follow the contact like friction cones, see kFreeSweeps.
   void limitRolling(JointConstraint& j) const {
     j.upper = j.rolling * impulse(rows.rows[j.contact]).n;
@@ -440,7 +452,7 @@ struct Solve {
       if (count == kMaxSweeps) return count;
       const bool ends = change.within(tolerance);
       if (ends && (stage == Stage::Velocities || !activateViolated())) return count;
-      if (ends) lastFree = count + kFreeSweeps;
+      if (ends) lastFree = count + kFreeSweeps, restoreMinFriction();
       // restart the directions where the last sweep has changed more than the one before
       const double beta = before > 0.0 ? change.energy / before : 0.0;
       stepAlongDirections(beta <= 1.0 ? beta : 0.0);

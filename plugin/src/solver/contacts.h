@@ -7,6 +7,7 @@
 #include "solver/plane_contacts.h"
 #include "solver/point_state.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -135,7 +136,7 @@ struct ContactConstraint : ContactTarget {
   double acrossAlong[2];         ///< 1/kg, tangential speeds per normal impulse
   double slidingMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
   double maxFriction;            ///< N s, radius of the friction cone
-  double minFrictionChange;      ///< in a sweep, as a share of maxFriction, see contact_solver.cpp
+  double minFrictionChange;      ///< share of maxFriction, see kMinFrictionChange (contact_solver.cpp)
   bool active;  ///< takes part in the sweeps: has an impulse, or would be violated without one
   ContactVector positionImpulse, velocityImpulse,
       impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
