@@ -123,5 +123,23 @@ TEST(SpringOrder, hasEverySpringOnceAndMostFoursApart) {
   }
 }
 
+/// Batches that share no point with the ones before them need not wait for these.
+TEST(SpringOrder, putsSpringsThatShareAPointFarApart) {
+  ClothSettings cloth;
+  cloth.columns = cloth.rows = 40;
+  const SharedNetwork network = *buildCloth(cloth);
+  std::vector<std::size_t> last(network->restPoints.size(), 0);
+  std::size_t place = 0, near = 0;
+  for (const std::uint32_t i : orderApart(*network)) {
+    const NetworkSpring& s = network->springs[i];
+    ++place;
+    for (const std::uint32_t point : {s.a, s.b}) {
+      near += last[point] > 0 && place - last[point] < 16;
+      last[point] = place;
+    }
+  }
+  EXPECT_LE(near, network->springs.size() / 50);
+}
+
 }  // namespace
 }  // namespace limber

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 namespace limber {
@@ -14,41 +15,61 @@ namespace {
 
 // --- the order of springs ----------------------------------------------------------------------------------
 
-/// Number of springs among which a suitable one is searched. Enough for any network. The limit keeps the time
-/// linear in the network's size.
+/// Number of springs among which a suitable one is searched. The limit keeps the time linear in their number,
+/// and the springs of a batch near each other in memory.
 constexpr std::size_t kWindow = 256;
 
-bool shares(const NetworkSpring& s, const NetworkSpring& t) {
-  return s.a == t.a || s.a == t.b || s.b == t.a || s.b == t.b;
-}
+/// Number of springs after which a point may come again at no cost. A damper waits for the velocities that
+/// the one before it at the same point writes, some 50 cycles. Meanwhile a processor computes the next
+/// batches, as many as fit into the 200 to 500 instructions that it looks ahead. Bodies of fewer than
+/// kManyPoints points have no springs that are so far apart: for them only the springs of a batch matter.
+constexpr std::size_t kFarApart = 24, kManyPoints = 4 * kFarApart;
+
+class ApartOrder {
+ public:
+  explicit ApartOrder(const SpringNetwork& network)
+      : springs_(network.springs), used_(network.restPoints.size(), 0) {}
+
+  void append(std::uint32_t spring) {
+    order.push_back(spring);
+    used_[springs_[spring].a] = used_[springs_[spring].b] = order.size();
+  }
+
+  /// Returns the number of springs since the last one that shares a point with this one, at most kFarApart;
+  /// 0 if that one is in the present batch: then the dampers of the batch are computed one by one.
+  std::size_t distance(std::uint32_t spring) const {
+    const std::size_t last = std::max(used_[springs_[spring].a], used_[springs_[spring].b]);
+    if (last == 0) return kFarApart;
+    return last > order.size() / 4 * 4 ? 0 : std::min(order.size() + 1 - last, kFarApart);
+  }
+
+  std::vector<std::uint32_t> order;
+
+ private:
+  const std::vector<NetworkSpring>& springs_;
+  std::vector<std::size_t> used_;  // #points: 1 + place in `order` of the last spring with this point, or 0
+};
 
 }  // namespace
 
 std::vector<std::uint32_t> orderApart(const SpringNetwork& network) {
-  const std::vector<NetworkSpring>& springs = network.springs;
-  std::vector<std::uint32_t> left(springs.size()), order;
-  for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
-  order.reserve(springs.size());
-  std::size_t first = 0;  // left[0..first) are in `order`
-  while (first < left.size()) {
-    const std::size_t begin = order.size(), end = std::min(left.size(), first + kWindow);
-    const auto fits = [&](std::uint32_t i) {
-      return std::none_of(order.begin() + static_cast<std::ptrdiff_t>(begin), order.end(),
-                          [&](std::uint32_t j) { return shares(springs[i], springs[j]); });
-    };
-    while (order.size() < begin + 4 && first < left.size()) {
-      std::size_t k = first;
-      while (k < end && !fits(left[k])) ++k;
-      if (k == end) k = first;  // none fits: the dampers of this batch are computed one by one
-      order.push_back(left[k]);
-      // moves the skipped springs up by one, in the same order
-      std::rotate(left.begin() + static_cast<std::ptrdiff_t>(first),
-                  left.begin() + static_cast<std::ptrdiff_t>(k),
-                  left.begin() + static_cast<std::ptrdiff_t>(k) + 1);
-      ++first;
-    }
+  ApartOrder apart(network);
+  const std::size_t enough = network.restPoints.size() < kManyPoints ? 1 : kFarApart;
+  std::vector<std::uint32_t> left(network.springs.size());
+  std::iota(left.begin(), left.end(), 0u);
+  for (std::size_t first = 0; first < left.size(); ++first) {
+    const std::size_t end = std::min(left.size(), first + kWindow);
+    std::size_t best = first, farthest = 0;
+    for (std::size_t k = first; k < end && farthest < enough; ++k)
+      if (const std::size_t distance = apart.distance(left[k]); distance > farthest)
+        best = k, farthest = distance;
+    apart.append(left[best]);
+    // moves the skipped springs up by one, in the same order
+    const auto begin = left.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto chosen = left.begin() + static_cast<std::ptrdiff_t>(best);
+    std::rotate(begin, chosen, chosen + 1);
   }
-  return order;
+  return std::move(apart.order);
 }
 
 // --- groups ------------------------------------------------------------------------------------------------

@@ -65,8 +65,9 @@ std::string checkGroups(const SpringNetwork& network, const std::vector<GroupSet
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings);
 
 /// Returns an order of the network's springs, as indices. Where possible, no two springs of a batch of four
-/// (0 to 3, 4 to 7, ...) share a point, so that the dampers of a batch can be computed at once. Springs that
-/// are near each other in the network's order stay near each other.
+/// (0 to 3, 4 to 7, ...) share a point, so that the dampers of a batch can be computed at once, and springs
+/// that share a point are far apart, so that batches need not wait for each other. Springs that are near each
+/// other in the network's order stay near each other.
 std::vector<std::uint32_t> orderApart(const SpringNetwork& network);
 
 /// Moves the coincident ends of each spring apart by a millionth of its rest length, each pair in a different
