@@ -117,7 +117,8 @@ std::string checkGroups(const SpringNetwork& network, const std::vector<GroupSet
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
   SpringConstants s;
   const GroupFactors factors(network, settings.groups);
-  for (const std::uint32_t i : orderApart(network)) {
+  s.order = orderApart(network);
+  for (const std::uint32_t i : s.order) {
     const NetworkSpring& spring = network.springs[i];
     const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
     s.a.push_back(spring.a);

@@ -18,6 +18,7 @@ namespace limber {
 
 /// The constants of the springs of a network: one entry per spring, in the order of orderApart().
 struct SpringConstants {
+  std::vector<std::uint32_t> order;          ///< indices in the network's springs
   std::vector<std::uint32_t> a, b;           ///< point indices
   std::vector<double> restLength;            ///< m
   std::vector<double> extensionStiffness;    ///< N/m while longer than restLength
