@@ -219,6 +219,69 @@ TEST(ParallelTick, takesTasksInAnyOrder) {
   EXPECT_GT(tasks, std::size_t{kFairTicks} * 100);
 }
 
+/// Bodies that all threads step together: a cloth over a ball, a cloth with boxes on it, and a pile.
+enum class Together { Cloth, ClothWithBoxes, Pile };
+
+struct TogetherScene {
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+
+  explicit TogetherScene(Together kind) {
+    bullet.addBoxFloor();
+    if (kind == Together::Pile)
+      addPile();
+    else
+      addCloth(kind == Together::ClothWithBoxes);
+  }
+
+  void addCloth(bool withBoxes) {
+    ClothSettings cloth;
+    cloth.columns = cloth.rows = 24;
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 1.15, 0};
+    SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+    body->pin(0);
+    bullet.add(std::make_unique<btSphereShape>(btScalar(0.4)), 0, test::vec(0, 0.7, 0));
+    for (int i = 0; withBoxes && i < 3; ++i)
+      bullet.addBox(test::vec(0.1, 0.05, 0.1), 0.05, test::vec(0.25 * (i - 1), 1.35 + 0.1 * i, 0.1));
+  }
+
+  void addPile() {
+    for (int i = 0; i < 81; ++i) {
+      SoftBodySettings s = test::testedSettings();
+      s.position = {1.05 * (i % 3), 0.6 + 1.02 * (i / 9), 1.05 * (i / 3 % 3)};
+      (void)*system.createBody(test::closedCubeNetwork(), s);
+    }
+  }
+
+  std::uint64_t hash() const {
+    std::uint64_t h = 0;
+    for (std::size_t i = 0; i < system.bodyCount(); ++i) h = h * 31 + system.body(i)->stateHash();
+    for (const auto& object : bullet.bodies)
+      h = h * 31 + std::hash<double>()(double(object->getWorldTransform().getOrigin().y()));
+    return h;
+  }
+};
+
+TEST(ParallelTick, largeBodiesAndPilesHaveTheSameBitsOnAnyNumberOfThreads) {
+  for (const Together kind : {Together::Cloth, Together::ClothWithBoxes, Together::Pile}) {
+    std::vector<std::uint64_t> expected;
+    for (const unsigned threads : {0u, 1u, 2u, 3u, 8u}) {
+      SCOPED_TRACE(testing::Message() << "scene " << int(kind) << ", threads " << threads);
+      TogetherScene scene(kind);
+      ThreadPool pool(std::max(threads, 1u));
+      if (threads > 0) scene.system.setParallelFor(pool.parallelFor());
+      std::vector<std::uint64_t> hashes;
+      for (int i = 0; i < 30; ++i) {
+        scene.bullet.tick();
+        hashes.push_back(scene.hash());
+      }
+      if (threads == 0) expected = hashes;
+      ASSERT_EQ(hashes, expected);
+    }
+  }
+}
+
 TEST(ParallelTick, canBeSwitchedBetweenTicks) {
   Fair fair;
   ThreadPool pool(3);

@@ -3,6 +3,7 @@
 
 #include "support/small_meshes.h"
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -69,13 +70,40 @@ SharedNetwork tetrahedronNetwork() {
   return tetrahedralNetwork({{r, r, r}, {r, -r, -r}, {-r, r, -r}, {-r, -r, r}}, {{0, 2, 1, 3}});
 }
 
+namespace {
+
+/// The tetrahedra of a cube with corner (x, y, z) at index x + 2 y + 4 z. Each follows a path from corner 0
+/// to corner 7 along the three axes, in one of their six orders. Those of odd order have two corners swapped,
+/// for a positive volume.
+constexpr std::array<Tetrahedron, 6> kInCube = {
+    {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}}};
+
+}  // namespace
+
 SharedNetwork tetrahedralCubeNetwork() {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 8; ++i) points.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2) - 0.5);
-  // Each tetrahedron follows a path from corner 0 to corner 7 along the three axes, in one of their six
-  // orders. Those of odd order have two corners swapped, for a positive volume.
-  return tetrahedralNetwork(
-      points, {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}});
+  return tetrahedralNetwork(points, {kInCube.begin(), kInCube.end()});
+}
+
+SharedNetwork tetrahedralBlockNetwork(int nx, int ny, int nz) {
+  const auto number = [&](int x, int y, int z) {
+    return static_cast<std::uint32_t>((z * (ny + 1) + y) * (nx + 1) + x);
+  };
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Tetrahedron> tetrahedra;
+  for (int z = 0; z <= nz; ++z)
+    for (int y = 0; y <= ny; ++y)
+      for (int x = 0; x <= nx; ++x) {
+        points.emplace_back(x, y, z);
+        if (x == nx || y == ny || z == nz) continue;
+        for (Tetrahedron t : kInCube) {
+          for (std::uint32_t& corner : t)
+            corner = number(x + int(corner & 1), y + int(corner >> 1 & 1), z + int(corner >> 2));
+          tetrahedra.push_back(t);
+        }
+      }
+  return tetrahedralNetwork(points, tetrahedra);
 }
 
 SharedNetwork closedCubeNetwork() {

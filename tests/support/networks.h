@@ -27,4 +27,7 @@ SharedNetwork tetrahedronNetwork();
 /// Returns the unit cube about the origin, made of six tetrahedra around a diagonal (Kuhn 1960), 19 springs.
 SharedNetwork tetrahedralCubeNetwork();
 
+/// Returns a block of nx x ny x nz such cubes from the origin.
+SharedNetwork tetrahedralBlockNetwork(int nx, int ny, int nz);
+
 }  // namespace limber::test

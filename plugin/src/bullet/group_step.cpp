@@ -422,6 +422,12 @@ void limitIslandEnergy(LinkedGroup& group, bool alone, bool joined) {
   measureDrag(group, joined);
 }
 
+double workOf(const LinkedGroup& group) {
+  std::size_t springs = 0;
+  for (const SoftBodyData* body : group.bodies) springs += body->springs.size();
+  return double(springs) * group.substeps;
+}
+
 // --- groups in SIMD lanes ----------------------------------------------------------------------------------
 
 namespace {
@@ -429,6 +435,12 @@ namespace {
 /// Maximum number of springs of bodies in SIMD lanes. A block of larger ones would not fit into the cache
 /// nearest to the processor (about 0.5 kB per spring with eight lanes). They are stepped one by one.
 constexpr std::size_t kMaxSpringsInLanes = 1000;
+
+/// Whether several threads can step the group together.
+bool isDivided(const LinkedGroup& group) {
+  const auto isLarge = [](const SoftBodyData* body) { return body->springs->division.isDivided(); };
+  return group.stepper == Stepper::Verlet && std::any_of(group.bodies.begin(), group.bodies.end(), isLarge);
+}
 
 bool canUseLanes(const LinkedGroup& group) {
   return !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
@@ -483,8 +495,30 @@ void StepPlan::stepRun(std::size_t run, double tick, LanesOfRun& lanes) {
   for (std::size_t i = begin; i < end; ++i) repeatIfMissed(*collected_[i], tick, factors_);
 }
 
+void StepPlan::findLarge(const Parallel& parallel) {
+  large_.clear();
+  if (!parallel.isOn()) return;
+  double total = 0.0;
+  for (const LinkedGroup* group : collected_) total += workOf(*group);
+  const auto first = collected_.begin() + static_cast<std::ptrdiff_t>(forLanes_);
+  const auto isSmall = [&](const LinkedGroup* group) {
+    return !isDivided(*group) || workOf(*group) < kLargeShare * total;
+  };
+  const auto end = std::partition(first, collected_.end(), isSmall);
+  large_.assign(end, collected_.end());
+  collected_.erase(end, collected_.end());
+}
+
 void StepPlan::step(const AwakeGroups& groups, double tick, const Parallel& parallel) {
   collect(groups);
+  findLarge(parallel);
+  for (LinkedGroup* group : large_)
+    parallel.together([&](Team& team) {
+      group->step.team = &team;
+      stepLinkedGroup(*group, tick, factors_);
+      repeatIfMissed(*group, tick, factors_);
+      group->step.team = nullptr;
+    });
   makeRuns();
   parallel.inBlocks(runs_.size() - 1, [&](std::size_t begin, std::size_t end) {
     lanes_.with([&](LanesOfRun& lanes) {

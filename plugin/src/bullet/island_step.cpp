@@ -196,9 +196,12 @@ constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
 struct SearchContext {
   Island* island;
   const TickContacts* found;
-  SurfaceSearch* search;
+  ScratchPool<SurfaceSearch>* searches;
   std::mutex* lock;
 };
+
+/// Candidates that one task searches.
+constexpr std::uint32_t kCandidatesPerTask = 8;
 
 /// Collects the contacts of a candidate and marks them as ended until the search finds them again.
 void collectOldContacts(Island& island, std::uint32_t number, const TickContacts& found) {
@@ -235,28 +238,65 @@ void storeContact(Island& island, std::uint32_t candidate, const Contact& contac
 
 bool touchesKinematic(const IslandPair& m) { return m.surfaces->held && isMoved(*m.surfaces->held); }
 
-void searchInStep(void* context, SolverIsland& group, double since, double ahead) {
-  auto& [island, found, search, mutex] = *static_cast<SearchContext*>(context);
-  // islands share the parts of kinematic objects, which are moved to the time of the search
-  std::unique_lock<std::mutex> lock(*mutex, std::defer_lock);
-  if (std::any_of(island->candidates.begin(), island->candidates.end(), touchesKinematic)) lock.lock();
-  for (std::uint32_t number = 0; number < island->candidates.size(); ++number) {
-    const IslandPair& m = island->candidates[number];
+/// Lists the candidates that are searched again, and their bodies.
+void listSearched(Island& island) {
+  island.searched.clear();
+  island.moved.clear();
+  for (std::uint32_t number = 0; number < island.candidates.size(); ++number) {
+    const IslandPair& m = island.candidates[number];
     if (!m.needsNewSearch()) continue;
-    SidePositions sides{&group.links.views[m.a], nullptr, nullptr, since / found->tick};
-    if (m.surfaces->other)
-      sides.b = &group.links.views[m.b];
-    else if (!m.surfaces->held)
-      sides.rigid = &group.links.rigids[m.b];
-    findContactsInStep(*m.surfaces, sides, ahead, found->tick, *search);
-    collectOldContacts(*island, number, *found);
-    for (std::size_t i = 0; i < search->pairs.size(); ++i) {
-      Contact& contact = search->pairs[i];
-      contact.a.body = m.a;
-      contact.b.body = m.b;
-      storeContact(*island, number, contact, search->sources[i]);
-    }
+    island.searched.push_back(number);
+    island.moved.push_back(m.a);
+    if (m.surfaces->other) island.moved.push_back(m.b);
   }
+  std::sort(island.moved.begin(), island.moved.end());
+  island.moved.erase(std::unique(island.moved.begin(), island.moved.end()), island.moved.end());
+  if (island.inStep.size() < island.searched.size()) island.inStep.resize(island.searched.size());
+}
+
+/// Returns side b if it is rigid and dynamic, else nullptr.
+const RigidState* rigidOf(const IslandPair& m, const SolverIsland& group) {
+  return m.surfaces->other || m.surfaces->held ? nullptr : &group.links.rigids[m.b];
+}
+
+/// Stores the contacts that a search has found for a candidate.
+void storeFound(Island& island, std::uint32_t number, const TickContacts& found, ContactsInStep& inStep) {
+  const IslandPair& m = island.candidates[number];
+  collectOldContacts(island, number, found);
+  for (std::size_t i = 0; i < inStep.contacts.size(); ++i) {
+    Contact& contact = inStep.contacts[i];
+    contact.a.body = m.a;
+    contact.b.body = m.b;
+    storeContact(island, number, contact, inStep.sources[i]);
+  }
+}
+
+void searchInStep(void* context, SolverIsland& group, Team& team, double since, double ahead) {
+  const SearchContext& c = *static_cast<SearchContext*>(context);
+  Island& island = *c.island;
+  const TimeInStep time{since, ahead, c.found->tick};
+  // islands share the parts of kinematic objects, which are moved to the time of the search
+  std::unique_lock<std::mutex> lock(*c.lock, std::defer_lock);
+  if (std::any_of(island.candidates.begin(), island.candidates.end(), touchesKinematic)) lock.lock();
+  listSearched(island);
+  const auto searched = static_cast<std::uint32_t>(island.searched.size());
+  team.forEach(static_cast<std::uint32_t>(island.moved.size()), [&](std::uint32_t i) {
+    moveInStep(*island.softBodies[island.moved[i]], group.links.views[island.moved[i]], time);
+  });
+  const auto pairAt = [&](std::uint32_t i) -> const IslandPair& {
+    return island.candidates[island.searched[i]];
+  };
+  for (std::uint32_t i = 0; i < searched; ++i)
+    movePartInStep(*pairAt(i).surfaces, rigidOf(pairAt(i), group), time);
+  team.forEach((searched + kCandidatesPerTask - 1) / kCandidatesPerTask, [&](std::uint32_t block) {
+    c.searches->with([&](SurfaceSearch& search) {
+      const std::uint32_t end = std::min((block + 1) * kCandidatesPerTask, searched);
+      for (std::uint32_t i = block * kCandidatesPerTask; i < end; ++i)
+        findContactsInStep(*pairAt(i).surfaces, rigidOf(pairAt(i), group), time, search, island.inStep[i]);
+    });
+  });
+  for (std::uint32_t i = 0; i < searched; ++i)
+    storeFound(island, island.searched[i], *c.found, island.inStep[i]);
 }
 
 /// The largest relative displacements, as multiples of the size of features.
@@ -319,23 +359,21 @@ bool isAlone(const Island& island) {
          areSurfacesAtRest(*step.bodies[0].contacts);
 }
 
-}  // namespace
-
-void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search,
+void stepIsland(Island& island, const TickContacts& found, double tick, ScratchPool<SurfaceSearch>& searches,
                 std::mutex& lock) {
   const bool joined = !island.joints.empty();
   for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, isAlone(island), joined);
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
-  SearchContext context{&island, &found, &search, &lock};
+  SearchContext context{&island, &found, &searches, &lock};
   island.step.again = PairSearch();
   if (const MaxDisplacements displacement = maxDisplacements(island);
       displacement.all > kMaxBetweenSearches) {
     if (displacement.ofContacts > kMaxBetweenSearches)
       substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
-    const double searches = std::min(displacement.all / kMaxBetweenSearches,
-                                     std::max(kManySearches, displacement.all / kMaxInSubstep));
-    island.step.again = {std::max(1, static_cast<int>(substeps / searches)), &context, searchInStep};
+    const double wanted = std::min(displacement.all / kMaxBetweenSearches,
+                                   std::max(kManySearches, displacement.all / kMaxInSubstep));
+    island.step.again = {std::max(1, static_cast<int>(substeps / wanted)), &context, searchInStep};
   }
   for (LinkedGroup* group : island.groups) group->substeps = substeps;
   scaleWarmStart(island.step.pairs, substeps);
@@ -346,6 +384,48 @@ void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceS
   const double before = joined ? energyOf(island.step) : 0.0;
   stepVerlet(island.step, tick, substeps);
   if (joined) limitEnergy(island, found, before);
+}
+
+/// Number of springs whose substeps are worth the time in which threads wait for each other.
+constexpr double kTeamSprings = 2000.0;
+
+double workOf(const Island& island) {
+  double work = 0.0;
+  for (const LinkedGroup* group : island.groups) work += workOf(*group);
+  return work;
+}
+
+std::size_t springCount(const Island& island) {
+  std::size_t springs = 0;
+  for (const SoftBodyData* body : island.softBodies) springs += body->springs.size();
+  return springs;
+}
+
+/// Finds the islands that a team steps.
+void findLarge(Islands& islands, const Parallel& parallel) {
+  islands.large.clear();
+  islands.small.clear();
+  double total = 0.0;
+  for (const Island& island : islands) total += workOf(island);
+  for (std::uint32_t i = 0; i < islands.count; ++i) {
+    const Island& island = islands.all[i];
+    const bool isLarge = parallel.isOn() && double(springCount(island)) >= kTeamSprings &&
+                         workOf(island) >= kLargeShare * total;
+    (isLarge ? islands.large : islands.small).push_back(i);
+  }
+}
+
+}  // namespace
+
+void stepIslands(Islands& islands, const TickContacts& found, double tick,
+                 ScratchPool<SurfaceSearch>& searches, std::mutex& lock, const Parallel& parallel) {
+  findLarge(islands, parallel);
+  const auto step = [&](std::uint32_t i, Team* team) {
+    islands.all[i].step.team = team;
+    stepIsland(islands.all[i], found, tick, searches, lock);
+  };
+  for (const std::uint32_t i : islands.large) parallel.together([&](Team& team) { step(i, &team); });
+  parallel.forEach(islands.small.size(), [&](std::size_t i) { step(islands.small[i], nullptr); });
 }
 
 void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {

@@ -93,6 +93,12 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
 
 // --- stepping ----------------------------------------------------------------------------------------------
 
+/// Number of springs that must be computed in a tick.
+double workOf(const LinkedGroup& group);
+
+/// Share of the work of a tick that no thread should have alone: with less, others have as much to do.
+constexpr double kLargeShare = 1.0 / 6.0;
+
 /// Gives the body the constants whose fastest oscillation, with these inverse masses (3 x #points, 1/kg), is
 /// at most `largest` (rad^2/s^2); 0: its full stiffness.
 void softenTo(SoftBodyData& body, double largest, const Points& inverseMass);
@@ -134,10 +140,13 @@ class StepPlan {
   /// Splits the collected groups into runs that are stepped together.
   void makeRuns();
   void stepRun(std::size_t run, double tick, LanesOfRun& lanes);
+  /// Finds the groups that a team steps. They are left out of `runs_`.
+  void findLarge(const Parallel& parallel);
 
   SharedFactors factors_;
   InstructionSet set_ = bestInstructionSet();
   AwakeGroups collected_;
+  AwakeGroups large_;
   std::size_t forLanes_ = 0;       ///< number of the first of them
   std::vector<std::size_t> runs_;  ///< #runs + 1, begins in collected_
   ScratchPool<LanesOfRun> lanes_;
@@ -175,6 +184,9 @@ struct Island {
   std::vector<IslandPair> candidates;
   std::vector<LateContact> late;                                     ///< of the last step.pairs.contacts
   std::vector<std::pair<std::uint64_t, std::uint32_t>> oldContacts;  ///< scratch: of one pair, sorted by key
+  std::vector<std::uint32_t> searched;  ///< numbers of the candidates that are searched again in the step
+  std::vector<std::uint32_t> moved;     ///< numbers of their soft bodies
+  std::vector<ContactsInStep> inStep;   ///< #searched or more
 };
 
 /// The islands of a tick. The object is kept from tick to tick to reuse its memory.
@@ -184,6 +196,8 @@ struct Islands {
 
   Island* begin() { return all.data(); }
   Island* end() { return all.data() + count; }
+
+  std::vector<std::uint32_t> large, small;  ///< scratch: numbers of islands
 
   // Scratch, indexed by SoftBodyData::index.
   std::vector<std::uint32_t> groupOf, indexInGroup;
@@ -204,12 +218,12 @@ void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, 
 /// Sets SoftBodyData::island of bodies that are stepped together to their smallest index.
 void numberIsland(const std::vector<SoftBodyData*>& bodies);
 
-/// Steps an island by velocity Verlet with the largest number of substeps that one of its groups needs.
-/// Contacts of surfaces with a large relative displacement are searched for again during the tick. The error
-/// correction of joints must not raise the island's energy. Several islands may be stepped at a time; `lock`
-/// is SoftBodyData::worldLock.
-void stepIsland(Island& island, const TickContacts& found, double tick, SurfaceSearch& search,
-                std::mutex& lock);
+/// Steps the islands by velocity Verlet, each with the largest number of substeps that one of its groups
+/// needs. Contacts of surfaces with a large relative displacement are searched for again during the tick. The
+/// error correction of joints must not raise an island's energy. A large island is stepped by all threads
+/// together, the others at the same time. `lock` is SoftBodyData::worldLock.
+void stepIslands(Islands& islands, const TickContacts& found, double tick,
+                 ScratchPool<SurfaceSearch>& searches, std::mutex& lock, const Parallel& parallel);
 
 /// Copies the states of the bodies to their groups and the impulses of the contacts to `found`, after the
 /// step. Writes the rigid bodies that are in no group to Bullet.

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares how a tick runs work on several threads: in blocks, with scratch memory for each.
+// This header declares how a tick runs work on several threads: in blocks, with scratch memory for each, or
+// as a team.
 
 #pragma once
+
+#include "solver/team.h"
 
 #include <limber/parallel.h>
 
@@ -61,6 +64,13 @@ class Parallel {
     inBlocks(count, [&visit](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) visit(i);
     });
+  }
+
+  /// Calls work(team) once, with a team of all threads that are free. It must be on.
+  template <class Work>
+  void together(Work work) const {
+    Team team;
+    inBlocks(kMaxBlocks, [&](std::size_t, std::size_t) { team.join([&] { work(team); }); });
   }
 
  private:

@@ -212,15 +212,17 @@ class Watch final : public SearchWatch {
     partners_.clear();
   }
 
+  bool anyLeaves(const PointView& points, double dt, std::uint32_t begin, std::uint32_t end) const override {
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (leaves(points, dt, i)) return true;
+    return false;
+  }
+
   void look(const PointView& points, double time, double dt) override {
     bool found = false;
     for (std::uint32_t i = 0; i < pointCount(*body_); ++i) {
-      const Eigen::Vector3d x = points.positionOf(i), v = points.velocityOf(i);
-      const double searchRegion = body_->searchDistance[i];
-      const bool leaves =
-          (x + dt * v - body_->masses.startPosition.col(i)).squaredNorm() > searchRegion * searchRegion;
-      if (!leaves || body_->masses.held[i]) continue;
-      search(i, x, v, time);
+      if (!leaves(points, dt, i)) continue;
+      search(i, points.positionOf(i), points.velocityOf(i), time);
       found = true;
     }
     if (found) prepareContacts(rows, points);
@@ -239,6 +241,13 @@ class Watch final : public SearchWatch {
   }
 
  private:
+  bool leaves(const PointView& points, double dt, std::uint32_t i) const {
+    const Eigen::Vector3d next = points.positionOf(i) + dt * points.velocityOf(i);
+    const double searchRegion = body_->searchDistance[i];
+    return (next - body_->masses.startPosition.col(i)).squaredNorm() > searchRegion * searchRegion &&
+           !body_->masses.held[i];
+  }
+
   static bool isBefore(std::uint32_t point, const PlaneContact& row) { return point < row.point; }
 
   /// Searches from x, for the rest of the tick.

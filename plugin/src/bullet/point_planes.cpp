@@ -321,14 +321,17 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   if (body.neighbourhoodCount == body.neighbourhoods.size())
     body.neighbourhoods.push_back(std::make_unique<HeldNeighbourhood>());
   HeldNeighbourhood& around = *body.neighbourhoods[body.neighbourhoodCount++];
-  around = {&body.held, body.staticPieces, body.held.pieces.size(), radiusOf(body)};
+  around.all = &body.held;
+  around.begin = body.staticPieces, around.end = body.held.pieces.size();
+  around.radius = radiusOf(body);
+  around.clear = 0.0;
   findContacts(around, body.state.position.col(i), Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
     PlaneRows rows{body, i, *partner, searchRegion.distance, tick};
     for (; owner < endOfOwners; ++owner) {
       bool any = false;
-      for (const HeldContact& c : body.held.contacts) {
+      for (const HeldContact& c : around.contacts) {
         if (c.owner != owner) continue;
         rows.addFollowing(around, owner, &c);
         any = true;

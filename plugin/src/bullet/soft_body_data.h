@@ -145,9 +145,8 @@ struct SurfaceData {
   SweptBounds presentBounds;            ///< of the present tick, if awake: they depend on the state alone
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
 
-  Points motion;             ///< 3 x #points, m, predicted displacement in the tick
-  Points positionInStep;     ///< 3 x #points, m, current positions during a step
-  double shareInStep = 0.0;  ///< elapsed fraction of the tick at positionInStep, while `moving` views it
+  Points motion;          ///< 3 x #points, m, predicted displacement in the tick
+  Points positionInStep;  ///< 3 x #points, m, current positions during a step
   SurfaceBoxes boxes;
   MovingSurface moving;                ///< a view of the above
   double impact = 0.0;                 ///< m in the tick, into static and kinematic objects that stop it

@@ -40,11 +40,11 @@ void takeSprings(SoftBodyData& body, const BodyModel& before, const Origins& spr
   springs.revision = body.springs.revision + 1;
   if (body.springs.yielded) {
     const SpringConstants& old = *body.springs.yielded;
-    const std::vector<std::uint32_t>& oldOrder = before.springs.original->order;
+    const std::vector<std::uint32_t>& oldOrder = before.springs.original->division.order;
     std::vector<std::size_t> placeOf(oldOrder.size());
     for (std::size_t i = 0; i < oldOrder.size(); ++i) placeOf[oldOrder[i]] = i;
     springs.yielded = std::make_shared<SpringConstants>(*springs.original);
-    const std::vector<std::uint32_t>& order = springs.original->order;
+    const std::vector<std::uint32_t>& order = springs.original->division.order;
     for (std::size_t i = 0; i < order.size(); ++i) {
       const std::size_t from = placeOf[springOf[order[i]]];
       springs.yielded->restLength[i] = old.restLength[from];

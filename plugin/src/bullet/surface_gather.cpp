@@ -330,23 +330,6 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
 
 // --- within a step -----------------------------------------------------------------------------------------
 
-/// Sets the surface to the positions of the body after this share of the tick, and its motion of the coming
-/// `ahead` seconds. A body has many candidates: the first of them fits the boxes for all.
-const MovingSurface& surfaceWithin(SoftBodyData& body, const PointView& points, double share, double ahead) {
-  SurfaceData& s = body.surface;
-  const bool isInStep = s.moving.position == &s.positionInStep;
-  if (isInStep && s.shareInStep == share) return s.moving;
-  s.shareInStep = share;
-  s.positionInStep.resize(3, s.motion.cols());
-  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
-    s.positionInStep.col(i) = points.positionOf(i);
-    s.motion.col(i) = ahead * points.velocityOf(i);
-  }
-  s.moving.position = &s.positionInStep;
-  fitBoxes(s.moving, s.boxes);
-  return s.moving;
-}
-
 /// Returns the largest relative displacement (m) in the tick, by the predicted motion and by hits on static
 /// and kinematic objects.
 double ownDisplacement(const SurfaceCandidate& m) {
@@ -386,27 +369,40 @@ Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoi
   return x;
 }
 
-void findContactsInStep(const SurfaceCandidate& m, const SidePositions& sides, double ahead, double tick,
-                        SurfaceSearch& s) {
-  s.pairs.clear();
-  s.sources.clear();
-  const MovingSurface& a = surfaceWithin(*m.body, *sides.a, sides.share, ahead);
-  if (m.other && !isSelf(m))
-    surfaceWithin(*m.other, *sides.b, sides.share, ahead);
-  else if (m.partner)
-    movePart(*m.part, m.partner->getWorldTransform(), *sides.rigid, ahead);
+void moveInStep(SoftBodyData& body, const PointView& points, const TimeInStep& time) {
+  SurfaceData& s = body.surface;
+  s.positionInStep.resize(3, s.motion.cols());
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
+    s.positionInStep.col(i) = points.positionOf(i);
+    s.motion.col(i) = time.ahead * points.velocityOf(i);
+  }
+  s.moving.position = &s.positionInStep;
+  fitBoxes(s.moving, s.boxes);
+}
+
+void movePartInStep(const SurfaceCandidate& m, const RigidState* rigid, const TimeInStep& time) {
+  if (m.partner)
+    movePart(*m.part, m.partner->getWorldTransform(), *rigid, time.ahead);
   else if (m.held && isMoved(*m.held))
-    movePart(*m.part, sides.share, ahead / tick);
+    movePart(*m.part, time.since / time.tick, time.ahead / time.tick);
+}
+
+void findContactsInStep(const SurfaceCandidate& m, const RigidState* rigid, const TimeInStep& time,
+                        SurfaceSearch& s, ContactsInStep& found) {
+  found.contacts.clear();
+  found.sources.clear();
+  const MovingSurface& a = m.body->surface.moving;
   findContacts(m, s);
-  addContacts(m, s.contacts, ahead, tick, s, s.pairs, s.sources, [&](const SurfaceContact& c) {
+  const auto pointB = [&](const SurfaceContact& c) {
     if (m.other) return softContactPoint(*m.other, c.b);
     const MovingSurface& b = surfaceB(m);
     ContactPoint p;
     p.kind = ContactPoint::Kind::Rigid;
-    p.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - sides.rigid->position;
+    p.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - rigid->position;
     return p;
-  });
-  if (isFiltered(*m.body) || (m.other && isFiltered(*m.other))) filterPairs(s.pairs, s.sources);
+  };
+  addContacts(m, s.contacts, time.ahead, time.tick, s, found.contacts, found.sources, pointB);
+  if (isFiltered(*m.body) || (m.other && isFiltered(*m.other))) filterPairs(found.contacts, found.sources);
 }
 
 namespace {

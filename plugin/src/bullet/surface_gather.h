@@ -32,8 +32,12 @@ struct SurfaceSearch {
   std::vector<RigidPart*> parts;
   std::vector<RigidMotions> motions;    ///< of addStoppedPairs()
   std::vector<std::uint32_t> motionOf;  ///< index in `motions`, by index in the world's list of objects
-  std::vector<Contact> pairs;           ///< of findContactsInStep()
-  std::vector<ContactSource> sources;
+};
+
+/// The contacts of a candidate, found within a step.
+struct ContactsInStep {
+  std::vector<Contact> contacts;
+  std::vector<ContactSource> sources;  ///< #contacts
 };
 
 /// Adds each body to the partners of its soft partners, and drops those that are too far away. Only one of
@@ -96,17 +100,22 @@ double displacementOf(const SurfaceCandidate& candidate);
 /// these are to be found.
 bool mayTouch(const SurfaceCandidate& candidate, double tick, SurfaceSearch& search);
 
-/// Positions of the two sides of a candidate within a step.
-struct SidePositions {
-  const PointView *a = nullptr, *b = nullptr;
-  const RigidState* rigid = nullptr;  ///< side b, if it is rigid and dynamic
-  double share = 0.0;                 ///< elapsed fraction of the tick
+/// The time of a search within a step.
+struct TimeInStep {
+  double since, ahead, tick;  ///< s: since the start of the tick, until the next search, length of the tick
 };
 
-/// Writes the contacts of a candidate, now and in the coming `ahead` seconds, to search.pairs and
-/// search.sources, sorted by key. Their contact points have no bodies yet. `tick` is the tick's length (s).
-void findContactsInStep(const SurfaceCandidate& candidate, const SidePositions& sides, double ahead,
-                        double tick, SurfaceSearch& search);
+/// Moves the surface of a body, or of the rigid side b of a candidate, to its place in a step, with its
+/// motion until the next search. `rigid`: side b, if it is rigid and dynamic. Several bodies may be moved at
+/// a time.
+void moveInStep(SoftBodyData& body, const PointView& points, const TimeInStep& time);
+void movePartInStep(const SurfaceCandidate& candidate, const RigidState* rigid, const TimeInStep& time);
+
+/// Writes the contacts of a candidate whose surfaces have been moved, now and until the next search, to
+/// `found`, sorted by key. Their contact points have no bodies yet. Several candidates may be searched at a
+/// time.
+void findContactsInStep(const SurfaceCandidate& candidate, const RigidState* rigid, const TimeInStep& time,
+                        SurfaceSearch& search, ContactsInStep& found);
 
 /// Returns the position (m) of a point on a surface.
 Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint);

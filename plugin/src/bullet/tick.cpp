@@ -236,10 +236,7 @@ void SoftBodySystem::Impl::WorldStep::step(btScalar tick) {
   // points with unexpectedly large displacements search for more contacts during the step
   const KinematicMotions::Rewound rewound(kinematic);
   plan.step(awake, double(tick), parallel);
-  parallel.forEach(islands.count, [&](std::size_t i) {
-    searches.with(
-        [&](SurfaceSearch& search) { stepIsland(islands.all[i], pairs, double(tick), search, lock); });
-  });
+  stepIslands(islands, pairs, double(tick), searches, lock, parallel);
 }
 
 void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {

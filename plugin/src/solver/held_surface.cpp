@@ -311,7 +311,7 @@ HeldPoint nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d
 }
 
 void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& displacement, double within) {
-  std::vector<HeldContact>& contacts = around.all->contacts;
+  std::vector<HeldContact>& contacts = around.contacts;
   contacts.clear();
   HeldPiece* begin = around.all->pieces.data() + around.begin;
   const HeldPiece* end = around.all->pieces.data() + around.end;

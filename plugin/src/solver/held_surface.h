@@ -52,7 +52,6 @@ struct HeldContact {
 /// All pieces near a body's points in a tick, one neighbourhood after the other.
 struct HeldSurroundings {
   std::vector<HeldPiece> pieces;
-  std::vector<HeldContact> contacts;  ///< scratch of findContacts()
 };
 
 /// The pieces near one point.
@@ -62,11 +61,12 @@ struct HeldNeighbourhood {
   double radius = 0.0;  ///< m, of the point
 
   // Written by findContacts().
+  std::vector<HeldContact> contacts;                  ///< no other point's, since threads share the points
   Eigen::Vector3d clearAt = Eigen::Vector3d::Zero();  ///< m, the position at which `clear` was computed
   double clear = 0.0;  ///< m, motion from there without a contact; 0: contact is possible at once
 };
 
-/// Fills all->contacts with the possible contacts of a point at `x` that is about to move by `displacement`
+/// Fills around.contacts with the possible contacts of a point at `x` that is about to move by `displacement`
 /// (m). Each is with the nearest of all surfaces around, at the point or where it will hit the surface.
 /// Contacts farther than `within` (m) beyond the displacement are left out, and so are edges and corners that
 /// other pieces cover, as between the tiles of a floor.

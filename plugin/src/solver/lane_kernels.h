@@ -91,13 +91,25 @@ struct SpringBatchBody {
   const ContactCalls* contacts;
 };
 
+/// The points from `begin` to `end`, or those with these entries of `numbers`, if it is set.
+struct BatchPoints {
+  unsigned begin, end;
+  const unsigned* numbers = nullptr;
+};
+
 /// Steps a body; see stepAlone() of verlet_kernel.h, also for the result. Needs AVX2 or NEON.
 double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps);
-/// The parts of this step, for bodies that are stepped together with others. They need AVX2 or NEON.
-void computeBatchForces(const SpringBatchBody& body);
-void kickSpringBatches(const SpringBatchBody& body, double dt);
-void driftSpringBatches(const SpringBatchBody& body, double dt);
-void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward);
+
+/// The parts of this step, for bodies that are stepped together with others or by several threads. Each is
+/// computed for some points, springs or tetrahedra; `begin` and `end` are multiples of four. They need AVX2
+/// or NEON.
+void addBatchSprings(const SpringBatchBody& body, unsigned begin, unsigned end);
+void addBatchVolumes(const SpringBatchBody& body);
+void addBatchTetrahedra(const SpringBatchBody& body, unsigned begin, unsigned end);
+void clearBatchForces(const SpringBatchBody& body, const BatchPoints& points);
+void kickBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& points);
+void driftBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& points);
+void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, unsigned begin, unsigned end);
 
 #if defined(LIMBER_HAS_X86_LANES)
 void stepSse2(const LaneBody& body, double tick, int substeps);

@@ -82,11 +82,11 @@ bool isSingleFixedPlane(const PlaneContact* rows, std::size_t count) { return co
 
 /// Calls visit(rows, count) for each point.
 template <class Visit>
-void forEachPoint(std::vector<PlaneContact>& rows, Visit visit) {
-  PlaneContact *first = rows.data(), *last = first + rows.size();
-  for (PlaneContact* end = first; first != last; first = end) {
+void forEachPoint(ContactRows rows, Visit visit) {
+  PlaneContact* first = rows.first;
+  for (PlaneContact* end = first; first != rows.last; first = end) {
     do ++end;
-    while (end != last && end->point == first->point);
+    while (end != rows.last && end->point == first->point);
     visit(first, static_cast<std::size_t>(end - first));
   }
 }
@@ -153,7 +153,7 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
   findContacts(*around, points.positionOf(rows->point), displacement, within);
   for (std::size_t i = 0; i < count; ++i)
     if (rows[i].around) rows[i].away = true, rows[i].mass = 0.0;
-  for (const HeldContact& c : around->all->contacts) {
+  for (const HeldContact& c : around->contacts) {
     PlaneContact* row = unusedRowFor(c, rows, count);
     if (!row) continue;
     row->away = c.normal.dot(row->facing) < 0.0;
@@ -202,7 +202,7 @@ void addBounce(ContactTarget& target, const ContactBase& contact, double gap, do
   target = {gap < 0.0 ? std::max(bounce.mean, target.target) : bounce.mean, bounce.rebound, true};
 }
 
-void solvePositions(std::vector<PlaneContact>& rows, const PointView& points, double time, double dt) {
+void solvePositions(ContactRows rows, const PointView& points, double time, double dt) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
     if (!isSingleFixedPlane(first, count)) return solvePointPosition(first, count, points, time, dt);
     setTarget(*first, points, time, dt);
@@ -210,15 +210,15 @@ void solvePositions(std::vector<PlaneContact>& rows, const PointView& points, do
   });
 }
 
-void solveVelocities(std::vector<PlaneContact>& rows, const PointView& points) {
+void solveVelocities(ContactRows rows, const PointView& points) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
     if (!isSingleFixedPlane(first, count)) return solvePointVelocity(first, count, points);
     if (!first->touching) return;
     if (first->bounces) return finishBounce(*first, points);
     applyRow(*first, points, 0.0);
   });
-  for (PlaneContact& row : rows)
-    if (row.restitution > 0.0) row.lastVelocity = points.velocityOf(row.point);
+  for (PlaneContact* row = rows.first; row != rows.last; ++row)
+    if (row->restitution > 0.0) row->lastVelocity = points.velocityOf(row->point);
 }
 
 }  // namespace limber

@@ -119,6 +119,17 @@ void addBounce(ContactTarget& target, const ContactBase& contact, double gap, do
 
 // --- points on planes --------------------------------------------------------------------------------------
 
+/// All rows of a body, or those of some of its points.
+struct ContactRows {
+  PlaneContact *first, *last;
+
+  ContactRows(std::vector<PlaneContact>& rows) : first(rows.data()), last(first + rows.size()) {}
+  /// The rows of the points from `begin` to `end`.
+  ContactRows(std::vector<PlaneContact>& rows, std::uint32_t begin, std::uint32_t end)
+      : first(rows.data() + contactsOfPoint(rows, begin).begin),
+        last(rows.data() + contactsOfPoint(rows, end).begin) {}
+};
+
 /// Updates the planes of the `count` rows of one point to the surfaces at the point, or where it hits them
 /// within `displacement` (m). Finds surfaces up to `within` (m) beyond that.
 void followSurface(PlaneContact* rows, std::size_t count, const PointView& points,
@@ -133,13 +144,17 @@ void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points);
 /// Changes velocities before a drift of `dt` from `time` (s since the start of the tick): no point ends below
 /// a surface, and friction reduces sliding as far as it can. A point already below is lifted slowly. Rows of
 /// one point alternate until they agree; rows of different points are independent, so this is exact.
-void solvePositions(std::vector<PlaneContact>& rows, const PointView& points, double time, double dt);
+void solvePositions(ContactRows rows, const PointView& points, double time, double dt);
 
 /// Finds contacts that were not predicted at the tick's start. Called before solvePositions() of each drift.
 struct ContactWatch {
   bool on = false;
   std::vector<PlaneContact> rows;  ///< found in this tick
   virtual ~ContactWatch() = default;
+  /// Returns whether one of the points from `begin` to `end` leaves its search region within dt seconds. Then
+  /// look() finds its contacts.
+  virtual bool anyLeaves(const PointView& points, double dt, std::uint32_t begin,
+                         std::uint32_t end) const = 0;
   virtual void look(const PointView& points, double time, double dt) = 0;
   /// Moves the rows to those of the body.
   virtual void merge() = 0;
@@ -148,6 +163,6 @@ struct ContactWatch {
 /// Changes velocities after the second kick of a substep: points that touch do not approach. Completes
 /// solvePositions as RATTLE completes SHAKE: velocities are those of bodies at rest, not of a step in free
 /// fall.
-void solveVelocities(std::vector<PlaneContact>& rows, const PointView& points);
+void solveVelocities(ContactRows rows, const PointView& points);
 
 }  // namespace limber

@@ -12,10 +12,13 @@
 namespace limber::kernel {
 // never called, see canStepSpringBatches()
 double stepSpringBatches(const SpringBatchBody&, double, int) { return 0.0; }
-void computeBatchForces(const SpringBatchBody&) {}
-void kickSpringBatches(const SpringBatchBody&, double) {}
-void driftSpringBatches(const SpringBatchBody&, double) {}
-void dampSpringBatches(const SpringBatchBody&, bool, bool) {}
+void clearBatchForces(const SpringBatchBody&, const BatchPoints&) {}
+void addBatchSprings(const SpringBatchBody&, unsigned, unsigned) {}
+void addBatchVolumes(const SpringBatchBody&) {}
+void addBatchTetrahedra(const SpringBatchBody&, unsigned, unsigned) {}
+void kickBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
+void driftBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
+void dampBatchSprings(const SpringBatchBody&, bool, bool, unsigned, unsigned) {}
 }  // namespace limber::kernel
 #endif
 

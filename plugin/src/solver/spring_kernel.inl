@@ -2,6 +2,9 @@
 // The code of spring_kernel_*.cpp. Before it they define, in limber::kernel: Quad, four doubles, with its
 // arithmetic, and Columns, Rows and the functions that move numbers within Quads.
 
+// Loops over springs, tetrahedra and triangles work on a copy of the body: nothing else refers to it, so its
+// pointers stay in registers.
+
 namespace limber::kernel {
 namespace {
 
@@ -92,7 +95,7 @@ void dampInTurn(const SpringBatchBody& b, Index i, Quad factor, bool forward) {
 }
 
 /// Does the same as sixVolumes() of verlet_kernel.h, but returns one sum per axis.
-Quad sixBatchVolumes(const VolumeBody& v, Index component, const Quad* x) {
+Quad sixBatchVolumes(const VolumeBody v, Index component, const Quad* x) {
   Quad sum = all(Quad(), 0.0);
   const Quad o = x[v.corners[3 * v.firstTriangle[component]]];
   Quad* gradient = springBatches(v.gradient);
@@ -108,7 +111,7 @@ Quad sixBatchVolumes(const VolumeBody& v, Index component, const Quad* x) {
 }
 
 /// Gives the same results as addVolumeForces() of verlet_kernel.h, to the bit.
-void addBatchVolumeForces(const VolumeBody& v, const Quad* x, const Quad* w, Quad* force) {
+void addBatchVolumeForces(const VolumeBody v, const Quad* x, const Quad* w, Quad* force) {
   if (v.components == 0) return;
   Quad *gradient = springBatches(v.gradient), *sums = springBatches(v.sums);
   for (Index i = 0; i < v.points; ++i) gradient[i] = all(Quad(), 0.0);
@@ -133,8 +136,8 @@ Vector<Quad> displacementFrom(const Quad* x, const Index* corners, Index to) {
 }
 
 /// Gives the same results as addTetrahedronForces() of verlet_kernel.h, to the bit.
-void addBatchTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* force) {
-  for (Index i = 0; i < t.count; i += 4) {
+void addBatchTetrahedronForces(const TetrahedronBody t, const Quad* x, Quad* force, Index begin, Index end) {
+  for (Index i = begin; i < end; i += 4) {
     const Index* corners = t.corners + 4 * i;
     const CornerForces<Quad> f = tetrahedronForces(
         displacementFrom(x, corners, 1), displacementFrom(x, corners, 2), displacementFrom(x, corners, 3),
@@ -151,41 +154,84 @@ void addBatchTetrahedronForces(const TetrahedronBody& t, const Quad* x, Quad* fo
   }
 }
 
-void computeForces(const SpringBatchPoints& p) {
-  for (Index i = 0; i < p.b.points; ++i) springBatches(p.b.force)[i] = all(Quad(), 0.0);
-  for (Index i = 0; i < p.b.springs; i += 4) addForces(p.b, i);
-  addBatchVolumeForces(p.b.volumes, springBatches(p.b.position), springBatches(p.b.inverseMass),
-                       springBatches(p.b.force));
-  addBatchTetrahedronForces(p.b.tetrahedra, springBatches(p.b.position), springBatches(p.b.force));
+}  // namespace
+
+void clearBatchForces(const SpringBatchBody& b, const BatchPoints& points) {
+  Quad* f = springBatches(b.force);
+  if (!points.numbers)
+    for (Index i = points.begin; i < points.end; ++i) f[i] = all(Quad(), 0.0);
+  else
+    for (Index i = points.begin; i < points.end; ++i) f[points.numbers[i]] = all(Quad(), 0.0);
 }
 
-void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
-  const Quad* factors = springBatches(whole ? p.b.dampFull : p.b.dampHalf);
-  const Index groups = p.b.springs / 4;
-  for (Index k = 0; k < groups; ++k) {
-    const Index g = forward ? k : groups - 1 - k;
-    if (p.b.apart[g])
-      dampTogether(p.b, 4 * g, factors[g]);
+void addBatchSprings(const SpringBatchBody& body, Index begin, Index end) {
+  const SpringBatchBody b = body;
+  for (Index i = begin; i < end; i += 4) addForces(b, i);
+}
+
+void addBatchVolumes(const SpringBatchBody& b) {
+  addBatchVolumeForces(b.volumes, springBatches(b.position), springBatches(b.inverseMass),
+                       springBatches(b.force));
+}
+
+void addBatchTetrahedra(const SpringBatchBody& b, Index begin, Index end) {
+  addBatchTetrahedronForces(b.tetrahedra, springBatches(b.position), springBatches(b.force), begin, end);
+}
+
+void kickBatchPoints(const SpringBatchBody& b, double dt, const BatchPoints& points) {
+  const Quad time = all(Quad(), dt);
+  Quad* v = springBatches(b.velocity);
+  const Quad *a = springBatches(b.acceleration), *f = springBatches(b.force),
+             *w = springBatches(b.inverseMass);
+  if (!points.numbers)
+    for (Index i = points.begin; i < points.end; ++i) v[i] = v[i] + time * (a[i] + f[i] * w[i]);
+  else
+    for (Index k = points.begin; k < points.end; ++k) {
+      const Index i = points.numbers[k];
+      v[i] = v[i] + time * (a[i] + f[i] * w[i]);
+    }
+}
+
+void driftBatchPoints(const SpringBatchBody& b, double dt, const BatchPoints& points) {
+  const Quad time = all(Quad(), dt);
+  Quad* x = springBatches(b.position);
+  const Quad* v = springBatches(b.velocity);
+  if (!points.numbers)
+    for (Index i = points.begin; i < points.end; ++i) x[i] = x[i] + time * v[i];
+  else
+    for (Index k = points.begin; k < points.end; ++k)
+      x[points.numbers[k]] = x[points.numbers[k]] + time * v[points.numbers[k]];
+}
+
+void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, Index begin, Index end) {
+  const SpringBatchBody b = body;
+  if (!b.damped) return;
+  const Quad* factors = springBatches(whole ? b.dampFull : b.dampHalf);
+  for (Index k = begin / 4; k < end / 4; ++k) {
+    const Index g = forward ? k : begin / 4 + end / 4 - 1 - k;
+    if (b.apart[g])
+      dampTogether(b, 4 * g, factors[g]);
     else
-      dampInTurn(p.b, 4 * g, factors[g], forward);
+      dampInTurn(b, 4 * g, factors[g], forward);
   }
   leaveKernel();
 }
 
-void kick(const SpringBatchPoints& p, double dt) {
-  const Quad time = all(Quad(), dt);
-  Quad* v = springBatches(p.b.velocity);
-  const Quad *a = springBatches(p.b.acceleration), *f = springBatches(p.b.force),
-             *w = springBatches(p.b.inverseMass);
-  for (Index i = 0; i < p.b.points; ++i) v[i] = v[i] + time * (a[i] + f[i] * w[i]);
+namespace {
+
+void computeForces(const SpringBatchPoints& p) {
+  clearBatchForces(p.b, {0, p.b.points});
+  addBatchSprings(p.b, 0, p.b.springs);
+  addBatchVolumes(p.b);
+  addBatchTetrahedra(p.b, 0, p.b.tetrahedra.count);
 }
 
-void drift(const SpringBatchPoints& p, double dt) {
-  const Quad time = all(Quad(), dt);
-  Quad* x = springBatches(p.b.position);
-  const Quad* v = springBatches(p.b.velocity);
-  for (Index i = 0; i < p.b.points; ++i) x[i] = x[i] + time * v[i];
+void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
+  dampBatchSprings(p.b, whole, forward, 0, p.b.springs);
 }
+
+void kick(const SpringBatchPoints& p, double dt) { kickBatchPoints(p.b, dt, {0, p.b.points}); }
+void drift(const SpringBatchPoints& p, double dt) { driftBatchPoints(p.b, dt, {0, p.b.points}); }
 
 double computeForcesAndChange(const SpringBatchPoints& p) {
   const Quad *f = springBatches(p.b.force), *w = springBatches(p.b.inverseMass);
@@ -204,13 +250,6 @@ double computeForcesAndChange(const SpringBatchPoints& p) {
 
 double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps) {
   return stepAlone<double>(SpringBatchPoints{body}, tick, substeps);
-}
-
-void computeBatchForces(const SpringBatchBody& body) { computeForces(SpringBatchPoints{body}); }
-void kickSpringBatches(const SpringBatchBody& body, double dt) { kick(SpringBatchPoints{body}, dt); }
-void driftSpringBatches(const SpringBatchBody& body, double dt) { drift(SpringBatchPoints{body}, dt); }
-void dampSpringBatches(const SpringBatchBody& body, bool whole, bool forward) {
-  if (body.damped) dampAll(SpringBatchPoints{body}, whole, forward);
 }
 
 }  // namespace limber::kernel

@@ -7,70 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 
 namespace limber {
-namespace {
-
-// --- the order of springs ----------------------------------------------------------------------------------
-
-/// Number of springs among which a suitable one is searched. The limit keeps the time linear in their number,
-/// and the springs of a batch near each other in memory.
-constexpr std::size_t kWindow = 256;
-
-/// Number of springs after which a point may come again at no cost. A damper waits for the velocities that
-/// the one before it at the same point writes, some 50 cycles. Meanwhile a processor computes the next
-/// batches, as many as fit into the 200 to 500 instructions that it looks ahead. Bodies of fewer than
-/// kManyPoints points have no springs that are so far apart: for them only the springs of a batch matter.
-constexpr std::size_t kFarApart = 24, kManyPoints = 4 * kFarApart;
-
-class ApartOrder {
- public:
-  explicit ApartOrder(const SpringNetwork& network)
-      : springs_(network.springs), used_(network.restPoints.size(), 0) {}
-
-  void append(std::uint32_t spring) {
-    order.push_back(spring);
-    used_[springs_[spring].a] = used_[springs_[spring].b] = order.size();
-  }
-
-  /// Returns the number of springs since the last one that shares a point with this one, at most kFarApart;
-  /// 0 if that one is in the present batch: then the dampers of the batch are computed one by one.
-  std::size_t distance(std::uint32_t spring) const {
-    const std::size_t last = std::max(used_[springs_[spring].a], used_[springs_[spring].b]);
-    if (last == 0) return kFarApart;
-    return last > order.size() / 4 * 4 ? 0 : std::min(order.size() + 1 - last, kFarApart);
-  }
-
-  std::vector<std::uint32_t> order;
-
- private:
-  const std::vector<NetworkSpring>& springs_;
-  std::vector<std::size_t> used_;  // #points: 1 + place in `order` of the last spring with this point, or 0
-};
-
-}  // namespace
-
-std::vector<std::uint32_t> orderApart(const SpringNetwork& network) {
-  ApartOrder apart(network);
-  const std::size_t enough = network.restPoints.size() < kManyPoints ? 1 : kFarApart;
-  std::vector<std::uint32_t> left(network.springs.size());
-  std::iota(left.begin(), left.end(), 0u);
-  for (std::size_t first = 0; first < left.size(); ++first) {
-    const std::size_t end = std::min(left.size(), first + kWindow);
-    std::size_t best = first, farthest = 0;
-    for (std::size_t k = first; k < end && farthest < enough; ++k)
-      if (const std::size_t distance = apart.distance(left[k]); distance > farthest)
-        best = k, farthest = distance;
-    apart.append(left[best]);
-    // moves the skipped springs up by one, in the same order
-    const auto begin = left.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto chosen = left.begin() + static_cast<std::ptrdiff_t>(best);
-    std::rotate(begin, chosen, chosen + 1);
-  }
-  return std::move(apart.order);
-}
 
 // --- groups ------------------------------------------------------------------------------------------------
 
@@ -117,8 +56,8 @@ std::string checkGroups(const SpringNetwork& network, const std::vector<GroupSet
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings) {
   SpringConstants s;
   const GroupFactors factors(network, settings.groups);
-  s.order = orderApart(network);
-  for (const std::uint32_t i : s.order) {
+  s.division = divideSprings(network);
+  for (const std::uint32_t i : s.division.order) {
     const NetworkSpring& spring = network.springs[i];
     const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
     s.a.push_back(spring.a);

@@ -3,6 +3,7 @@
 
 // The springs of a body: constants, order, forces, elastic limits and dampers.
 
+#include "solver/division.h"
 #include "solver/point_state.h"
 #include "solver/verlet_kernel.h"
 
@@ -16,9 +17,9 @@
 
 namespace limber {
 
-/// The constants of the springs of a network: one entry per spring, in the order of orderApart().
+/// The constants of the springs of a network: one entry per spring, in the order of `division`.
 struct SpringConstants {
-  std::vector<std::uint32_t> order;          ///< indices in the network's springs
+  Division division;                         ///< #springs
   std::vector<std::uint32_t> a, b;           ///< point indices
   std::vector<double> restLength;            ///< m
   std::vector<double> extensionStiffness;    ///< N/m while longer than restLength
@@ -64,12 +65,6 @@ std::string checkGroups(const SpringNetwork& network, const std::vector<GroupSet
 
 /// Makes the springs of a body with these settings. Rest lengths are distances of the scaled rest points.
 SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& settings);
-
-/// Returns an order of the network's springs, as indices. Where possible, no two springs of a batch of four
-/// (0 to 3, 4 to 7, ...) share a point, so that the dampers of a batch can be computed at once, and springs
-/// that share a point are far apart, so that batches need not wait for each other. Springs that are near each
-/// other in the network's order stay near each other.
-std::vector<std::uint32_t> orderApart(const SpringNetwork& network);
 
 /// Moves the coincident ends of each spring apart by a millionth of its rest length, each pair in a different
 /// direction. Coincident ends give a spring no direction for its force: a body crushed to a point would never

@@ -83,7 +83,8 @@ bool springsRunAlongEdges(const SpringNetwork& network) {
 TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const SoftBodySettings& settings) {
   if (network.tetrahedra.empty()) return {};
   TetrahedronConstants v;
-  v.tetrahedra = network.tetrahedra;
+  v.division = divideTetrahedra(network);
+  for (const std::uint32_t i : v.division.order) v.tetrahedra.push_back(network.tetrahedra[i]);
   const Points rest = scaledRest(network, settings.scale);
   double sum = 0.0;
   v.restGradientSquares.resize(4, static_cast<Eigen::Index>(v.tetrahedra.size()));

@@ -6,6 +6,7 @@
 #include "solver/simd_steps.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace limber {
@@ -62,25 +63,45 @@ void stepSingle(SolverBody& body, double tick, int substeps) {
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
 }
 
-// --- a body of an island: four springs at a time, or one by one --------------------------------------------
+// --- a part of a body --------------------------------------------------------------------------------------
 
-void computeForces(BatchedBody& body) {
-  if (body.inBatches) return kernel::computeBatchForces(body.springBatches);
-  computeElasticForces(*body.stepped);
+kernel::BatchPoints pointsOf(const BatchedBody& body, const BodyPart& part) {
+  if (part.isWhole()) return {0, body.springBatches.points};
+  return {part.begin, part.end, (*body.stepped->springs)->division.points.data()};
 }
 
-void kick(BatchedBody& body, double dt) {
-  if (body.inBatches) return kernel::kickSpringBatches(body.springBatches, dt);
-  kernel::kick(kernelPoints(*body.stepped->points), dt);
+void clearForces(BatchedBody& body, const BodyPart& part) {
+  if (body.inBatches) kernel::clearBatchForces(body.springBatches, pointsOf(body, part));
 }
 
-void drift(BatchedBody& body, double dt) {
-  if (body.inBatches) return kernel::driftSpringBatches(body.springBatches, dt);
-  kernel::drift(kernelPoints(*body.stepped->points), dt);
+/// Adds the forces of springs to cleared ones; of a whole body, all forces.
+void addForces(BatchedBody& body, const BodyPart& part) {
+  const kernel::SpringBatchBody& b = body.springBatches;
+  if (!part.isWhole()) return kernel::addBatchSprings(b, part.begin, part.end);
+  if (!body.inBatches) return computeElasticForces(*body.stepped);
+  kernel::addBatchSprings(b, 0, b.springs);
+  kernel::addBatchVolumes(b);
+  kernel::addBatchTetrahedra(b, 0, b.tetrahedra.count);
 }
 
-void damp(BatchedBody& body, bool whole, bool forward) {
-  if (body.inBatches) return kernel::dampSpringBatches(body.springBatches, whole, forward);
+void kick(BatchedBody& body, const BodyPart& part, double dt) {
+  const kernel::SpringBatchBody& b = body.springBatches;
+  if (!body.inBatches) return kernel::kick(kernelPoints(*body.stepped->points), dt);
+  kernel::kickBatchPoints(b, dt, pointsOf(body, part));
+}
+
+/// Also clears the forces.
+void drift(BatchedBody& body, const BodyPart& part, double dt) {
+  const kernel::SpringBatchBody& b = body.springBatches;
+  if (!body.inBatches) return kernel::drift(kernelPoints(*body.stepped->points), dt);
+  kernel::driftBatchPoints(b, dt, pointsOf(body, part));
+  clearForces(body, part);
+}
+
+void damp(BatchedBody& body, const BodyPart& part, bool whole, bool forward) {
+  const kernel::SpringBatchBody& b = body.springBatches;
+  if (body.inBatches)
+    return kernel::dampBatchSprings(b, whole, forward, part.begin, part.isWhole() ? b.springs : part.end);
   SpringArrays& springs = *body.stepped->springs;
   dampSprings(springs, whole ? springs.dampFull : springs.dampHalf,
               forward ? SweepOrder::Forward : SweepOrder::Backward, *body.stepped->points);
@@ -88,7 +109,50 @@ void damp(BatchedBody& body, bool whole, bool forward) {
 
 // --- islands -----------------------------------------------------------------------------------------------
 
-/// Decides where each body's state is in the step.
+/// Points whose contacts are one task: enough work for a thread, and few enough for an even load.
+constexpr std::uint32_t kContactPoints = 128;
+
+/// Adds the parts of a divided body. The last range includes the springs, or tetrahedra, that fill up the
+/// last batch.
+void addParts(std::uint32_t number, const BatchedBody& body, StepParts& parts) {
+  const auto addRanges = [&](const Division& division, std::uint32_t count, auto& phases) {
+    for (std::size_t phase = 0; phase < Division::kPhases; ++phase)
+      for (const Range& range : division.phases[phase])
+        phases[phase].push_back(
+            {number, range.begin, range.end == division.order.size() ? count : range.end});
+  };
+  const SolverBody& b = *body.stepped;
+  addRanges((*b.springs)->division, body.springBatches.springs, parts.springs);
+  if (b.tetrahedra)
+    addRanges((*b.tetrahedra)->division, body.springBatches.tetrahedra.count, parts.tetrahedra);
+  for (const Range& range : (*b.springs)->division.pointRanges)
+    parts.points.push_back({number, range.begin, range.end});
+  const auto points = static_cast<std::uint32_t>(b.points->position.cols());
+  for (std::uint32_t i = 0; mayTouch(b) && i < points; i += kContactPoints)
+    parts.contacts.push_back({number, i, std::min(i + kContactPoints, points)});
+  parts.divided.push_back(number);
+}
+
+void makeParts(SolverIsland& group) {
+  StepParts& parts = group.parts;
+  parts.points.clear();
+  parts.contacts.clear();
+  parts.divided.clear();
+  for (auto* phases : {&parts.springs, &parts.tetrahedra})
+    for (std::vector<BodyPart>& phase : *phases) phase.clear();
+  const auto isDivided = [&](const BatchedBody& body) {
+    return group.team && body.inBatches && (*body.stepped->springs)->division.isDivided();
+  };
+  for (std::uint32_t i = 0; i < group.inStep.size(); ++i) {
+    if (isDivided(group.inStep[i])) continue;
+    parts.points.push_back({i});
+    parts.springs[0].push_back({i});
+  }
+  for (std::uint32_t i = 0; i < group.inStep.size(); ++i)
+    if (isDivided(group.inStep[i])) addParts(i, group.inStep[i], parts);
+}
+
+/// Decides where each body's state is in the step, and divides large bodies among the threads.
 void load(SolverIsland& group) {
   group.inStep.clear();
   group.links.views.clear();
@@ -101,12 +165,20 @@ void load(SolverIsland& group) {
       body.points->allocateForces();
     group.links.views.push_back(stepped.inBatches ? viewOf(*body.springBatches) : viewOf(*body.points));
   }
+  makeParts(group);
 }
 
 void unload(SolverIsland& group) {
   for (BatchedBody& body : group.inStep)
     if (body.inBatches) unloadSpringBatches(*body.stepped);
   group.links.views.clear();
+}
+
+/// Calls visit(body, part) for all parts, on all threads.
+template <class Visit>
+void forEach(SolverIsland& group, Team& team, const std::vector<BodyPart>& parts, Visit visit) {
+  team.forEach(static_cast<std::uint32_t>(parts.size()),
+               [&](std::uint32_t i) { visit(group.inStep[parts[i].body], parts[i]); });
 }
 
 void keepForces(SolverIsland& group) {
@@ -138,8 +210,18 @@ void estimateErrors(SolverIsland& group, double dt) {
   }
 }
 
-void computeForces(SolverIsland& group) {
-  for (BatchedBody& body : group.inStep) computeForces(body);
+/// Adds all forces but those of the springs of the first phase.
+void addOtherForces(SolverIsland& group, Team& team) {
+  for (std::size_t phase = 1; phase < Division::kPhases; ++phase)
+    forEach(group, team, group.parts.springs[phase],
+            [](BatchedBody& body, const BodyPart& part) { addForces(body, part); });
+  team.forEach(static_cast<std::uint32_t>(group.parts.divided.size()), [&](std::uint32_t i) {
+    kernel::addBatchVolumes(group.inStep[group.parts.divided[i]].springBatches);
+  });
+  for (const std::vector<BodyPart>& phase : group.parts.tetrahedra)
+    forEach(group, team, phase, [](BatchedBody& body, const BodyPart& part) {
+      kernel::addBatchTetrahedra(body.springBatches, part.begin, part.end);
+    });
   for (RigidState& rigid : group.links.rigids) {
     rigid.force.setZero();
     rigid.torque.setZero();
@@ -147,34 +229,71 @@ void computeForces(SolverIsland& group) {
   addLinkForces(group.links);
 }
 
-void kick(SolverIsland& group, double dt) {
-  for (BatchedBody& body : group.inStep) kick(body, dt);
-  for (RigidState& rigid : group.links.rigids) rigid.kick(dt);
-}
-
-void drift(SolverIsland& group, double dt) {
-  for (BatchedBody& body : group.inStep) drift(body, dt);
+/// Drifts, and computes the forces at the new positions. The springs inside a slab need no other slab.
+void driftAndComputeForces(SolverIsland& group, Team& team, double dt) {
+  StepParts& parts = group.parts;
+  team.forEach(static_cast<std::uint32_t>(parts.points.size()), [&](std::uint32_t i) {
+    BatchedBody& body = group.inStep[parts.points[i].body];
+    drift(body, parts.points[i], dt);
+    addForces(body, parts.springs[0][i]);
+  });
   for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
   driftLinks(group.links, dt);
+  addOtherForces(group, team);
 }
 
-void damp(SolverIsland& group, double dt, bool whole, bool forward) {
-  for (BatchedBody& body : group.inStep) damp(body, whole, forward);
+void computeForces(SolverIsland& group, Team& team) {
+  StepParts& parts = group.parts;
+  team.forEach(static_cast<std::uint32_t>(parts.points.size()), [&](std::uint32_t i) {
+    BatchedBody& body = group.inStep[parts.points[i].body];
+    clearForces(body, parts.points[i]);
+    addForces(body, parts.springs[0][i]);
+  });
+  addOtherForces(group, team);
+}
+
+void damp(SolverIsland& group, Team& team, double dt, bool whole, bool forward) {
+  for (std::size_t k = 0; k < Division::kPhases; ++k)
+    forEach(group, team, group.parts.springs[forward ? k : Division::kPhases - 1 - k],
+            [&](BatchedBody& body, const BodyPart& part) { damp(body, part, whole, forward); });
   dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
 }
 
-void solvePositions(SolverIsland& group, double time, double dt) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    solvePositions(group.bodies[i], group.links.views[i], time, dt);
+/// Half a kick, then the contacts of points before the drift.
+void kickAndStop(SolverIsland& group, Team& team, double time, double dt) {
+  const std::vector<PointView>& views = group.links.views;
+  forEach(group, team, group.parts.points, [&](BatchedBody& body, const BodyPart& part) {
+    kick(body, part, 0.5 * dt);
+    if (part.isWhole()) solvePositions(*body.stepped, views[part.body], time, dt);
+  });
+  std::atomic<bool> anyLeaves{false};
+  forEach(group, team, group.parts.contacts, [&](BatchedBody& body, const BodyPart& part) {
+    const SolverBody& b = *body.stepped;
+    const PointView& points = views[part.body];
+    if (b.contacts) limber::solvePositions(ContactRows(*b.contacts, part.begin, part.end), points, time, dt);
+    if (b.watch && b.watch->on && b.watch->anyLeaves(points, dt, part.begin, part.end)) anyLeaves = true;
+  });
+  for (const std::uint32_t i : group.parts.divided)
+    solveUnpredicted(group.bodies[i], views[i], time, dt, anyLeaves);
+  for (RigidState& rigid : group.links.rigids) rigid.kick(0.5 * dt);
 }
 
-void applyDrag(SolverIsland& group, double dt) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) applyDrag(group.bodies[i], group.links.views[i], dt);
-}
-
-void solveVelocities(SolverIsland& group) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    solveVelocities(group.bodies[i], group.links.views[i]);
+/// The other half, drag, and the same contacts after it.
+void kickAndSettle(SolverIsland& group, Team& team, double dt) {
+  const std::vector<PointView>& views = group.links.views;
+  forEach(group, team, group.parts.points, [&](BatchedBody& body, const BodyPart& part) {
+    kick(body, part, 0.5 * dt);
+    if (!part.isWhole()) return;
+    applyDrag(*body.stepped, views[part.body], dt);
+    solveVelocities(*body.stepped, views[part.body]);
+  });
+  for (const std::uint32_t i : group.parts.divided) applyDrag(group.bodies[i], views[i], dt);
+  forEach(group, team, group.parts.contacts, [&](BatchedBody& body, const BodyPart& part) {
+    if (std::vector<PlaneContact>* contacts = body.stepped->contacts)
+      limber::solveVelocities(ContactRows(*contacts, part.begin, part.end), views[part.body]);
+  });
+  for (const std::uint32_t i : group.parts.divided) settleUnpredicted(group.bodies[i], views[i]);
+  for (RigidState& rigid : group.links.rigids) rigid.kick(0.5 * dt);
 }
 
 void prepare(SolverIsland& group) {
@@ -191,45 +310,42 @@ void prepare(SolverIsland& group) {
 }
 
 /// Repeats the search for contacts if it is due. Call it before each substep.
-void searchAgain(SolverIsland& group, int substep, int substeps, double dt) {
+void searchAgain(SolverIsland& group, Team& team, int substep, int substeps, double dt) {
   const PairSearch& again = group.again;
   if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
   finishConstraints(group.pairs);
-  again.search(again.context, group, dt * substep, dt * std::min(again.every, substeps - substep));
+  again.search(again.context, group, team, dt * substep, dt * std::min(again.every, substeps - substep));
   prepareConstraints(group.pairs, group.links);
 }
 
-/// Implements stepVerlet() for bodies that links, contacts or joints couple. Their dampers and volume terms
-/// must be prepared. While no coupling acts on a body, its results equal those of a single body, to the bit.
-void stepLinked(SolverIsland& group, double tick, int substeps) {
+/// Implements stepVerlet() for bodies that links, contacts or joints couple, or that several threads step.
+/// Their dampers and volume terms must be prepared. While no coupling acts on a body, its results equal those
+/// of a single body, to the bit.
+void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
   const double dt = tick / substeps;
   prepare(group);
-  computeForces(group);
+  computeForces(group, team);
   joinVelocities(group.links);
-  damp(group, dt, false, false);
+  damp(group, team, dt, false, false);
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
-    searchAgain(group, s, substeps, dt);
-    kick(group, 0.5 * dt);
-    solvePositions(group, s * dt, dt);
+    searchAgain(group, team, s, substeps, dt);
+    kickAndStop(group, team, s * dt, dt);
     followContacts(group.pairs, dt);
     solvePositions(group.pairs, group.links, dt, tick);
     updateGaps(group.pairs, dt);
-    drift(group, dt);
     const bool estimates = last || 2 * s == substeps;
     if (estimates) keepForces(group);
-    computeForces(group);
+    driftAndComputeForces(group, team, dt);
     if (estimates) estimateErrors(group, dt);
-    kick(group, 0.5 * dt);
-    applyDrag(group, dt);
-    // anchors and contacts first: a damper must not use the velocity of a point that the kick moves away from
-    // its anchor or contact
-    solveVelocities(group);
+    // anchors and contacts before dampers: these must not use the velocity of a point that the kick moves
+    // away from its anchor or contact
+    kickAndSettle(group, team, dt);
     followContacts(group.pairs, 0.0);
     solveVelocities(group.pairs, group.links);
     sumAnchorImpulses(group.links);
     // the half dampings of two successive substeps act at the same positions, so a full one replaces them
-    damp(group, dt, !last, s % 2 == 0);
+    damp(group, team, dt, !last, s % 2 == 0);
   }
   joinVelocities(group.links);
   finishConstraints(group.pairs);
@@ -252,10 +368,10 @@ void stepVerlet(SolverIsland& group, double tick, int substeps) {
     prepareVolumes(body, tick / substeps);
     startDrag(body);
   }
-  if (isPlain(group) && group.again.every == 0)
-    stepSingle(group.bodies[0], tick, substeps);
-  else
-    stepLinked(group, tick, substeps);
+  if (isPlain(group) && group.again.every == 0 && !group.team)
+    return stepSingle(group.bodies[0], tick, substeps);
+  Team alone;
+  stepLinked(group, group.team ? *group.team : alone, tick, substeps);
 }
 
 }  // namespace limber

@@ -11,9 +11,12 @@
 #include "solver/plane_contacts.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
+#include "solver/team.h"
 #include "solver/verlet_kernel.h"
 #include "solver/volumes.h"
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace limber {
@@ -77,6 +80,23 @@ struct BatchedBody {
   kernel::SpringBatchBody springBatches;
 };
 
+/// What one task of a step computes: a whole body, or a range of the points, springs or tetrahedra of a
+/// divided one.
+struct BodyPart {
+  static constexpr std::uint32_t kWhole = static_cast<std::uint32_t>(-1);
+  std::uint32_t body, begin = 0, end = kWhole;
+
+  bool isWhole() const { return end == kWhole; }
+};
+
+/// The tasks of a step. Only bodies that several threads step are divided (see division.h).
+struct StepParts {
+  std::vector<BodyPart> points;    ///< of Division::points, if divided
+  std::vector<BodyPart> contacts;  ///< ranges of points whose plane contacts are solved by one task
+  std::array<std::vector<BodyPart>, Division::kPhases> springs, tetrahedra;  ///< by phase
+  std::vector<std::uint32_t> divided;                                        ///< numbers of bodies
+};
+
 struct SolverIsland;
 
 /// Repeats the search for contacts within a tick, if surfaces move too far to predict all contacts at its
@@ -84,9 +104,9 @@ struct SolverIsland;
 struct PairSearch {
   int every = 0;  ///< number of substeps between searches; 0: no search
   void* context = nullptr;
-  /// Updates group.pairs.contacts. `since` is the time (s) since the start of the tick, `ahead` the time
-  /// until the next search. The state of bodies[i] is at links.views[i].
-  void (*search)(void* context, SolverIsland& group, double since, double ahead) = nullptr;
+  /// Updates group.pairs.contacts, with the help of the team. `since` is the time (s) since the start of the
+  /// tick, `ahead` the time until the next search. The state of bodies[i] is at links.views[i].
+  void (*search)(void* context, SolverIsland& group, Team& team, double since, double ahead) = nullptr;
 };
 
 /// Bodies that links or contacts couple; without them an island is one body.
@@ -96,7 +116,10 @@ struct SolverIsland {
   IslandConstraints pairs;  ///< contacts and joints of these, and of the rigid bodies with their surroundings
   PairSearch again;
 
+  Team* team = nullptr;  ///< the threads that help to step it; nullptr: none
+
   std::vector<BatchedBody> inStep;  ///< scratch of the step, #bodies
+  StepParts parts;                  ///< scratch of the step
 };
 
 /// Whether the island is one soft body without couplings to others and without elastic limits.
@@ -112,7 +135,7 @@ bool isPlain(const SolverIsland& group);
 /// momentum is conserved, since all impulses are along the springs. It is stable for omega dt < 2 with any
 /// damping: kick-drift-kick conserves  v^2 + omega^2 (1 - (omega dt)^2/4) x^2,  and the dampers can only
 /// reduce its velocity part. A single body and one in a lane (simd_steps.h) give the same results, to the
-/// bit. Held points (inverse mass 0) keep their velocity. Allocates nothing.
+/// bit, with any number of threads. Held points (inverse mass 0) keep their velocity. Allocates nothing.
 void stepVerlet(SolverIsland& group, double tick, int substeps);
 
 // --- contacts of points ------------------------------------------------------------------------------------
@@ -121,12 +144,19 @@ inline bool mayTouch(const SolverBody& body) {
   return (body.contacts && !body.contacts->empty()) || (body.watch && body.watch->on);
 }
 
+/// Solves the unpredicted contacts of points before a drift. Looks for more if a point `leaves` its search
+/// region.
+inline void solveUnpredicted(SolverBody& body, const PointView& points, double time, double dt,
+                             bool leaves = true) {
+  if (!body.watch || !body.watch->on) return;
+  if (leaves) body.watch->look(points, time, dt);
+  if (!body.watch->rows.empty()) solvePositions(body.watch->rows, points, time, dt);
+}
+
 /// Solves the predicted and unpredicted contacts of points before a drift. Then no point enters a surface.
 inline void solvePositions(SolverBody& body, const PointView& points, double time, double dt) {
   if (body.contacts) solvePositions(*body.contacts, points, time, dt);
-  if (!body.watch || !body.watch->on) return;
-  body.watch->look(points, time, dt);
-  if (!body.watch->rows.empty()) solvePositions(body.watch->rows, points, time, dt);
+  solveUnpredicted(body, points, time, dt);
 }
 
 /// Applies the drag of a substep, after the second kick.
@@ -139,10 +169,15 @@ inline void startDrag(SolverBody& body) {
   if (body.drag) body.drag->work = 0.0;
 }
 
-/// Solves the velocities at the same contacts after the drag.
+/// Solves the velocities at unpredicted contacts after the drag.
+inline void settleUnpredicted(SolverBody& body, const PointView& points) {
+  if (body.watch && !body.watch->rows.empty()) solveVelocities(body.watch->rows, points);
+}
+
+/// Solves the velocities at all contacts of points after the drag.
 inline void solveVelocities(SolverBody& body, const PointView& points) {
   if (body.contacts) solveVelocities(*body.contacts, points);
-  if (body.watch && !body.watch->rows.empty()) solveVelocities(body.watch->rows, points);
+  settleUnpredicted(body, points);
 }
 
 /// A body's contacts and drag in the form of the kernels' callbacks. When calls() is called, `points` must

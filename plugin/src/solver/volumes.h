@@ -3,6 +3,7 @@
 
 // The volume terms of a body: for its closed surfaces and for its tetrahedra.
 
+#include "solver/division.h"
 #include "solver/point_state.h"
 #include "solver/verlet_kernel.h"
 
@@ -127,7 +128,8 @@ double keptVolumeBoundSquared(VolumeArrays& volumes, const PointState& state, do
 /// stable one: `stabilityScale` is  n max(K, C) w dt^2 / (36 V0 kLargestCornerPhaseSquared),  to be
 /// multiplied by 36 sum |g|^2.
 struct TetrahedronConstants {
-  std::vector<Tetrahedron> tetrahedra;  ///< oriented for the body's scale
+  Division division;                    ///< #tetrahedra
+  std::vector<Tetrahedron> tetrahedra;  ///< in its order, oriented for the body's scale
   std::vector<double> restVolume;       ///< #tetrahedra, m^3, above 0
   std::vector<double> inverseRest;      ///< #tetrahedra, 1/m^3: 1 / (6 restVolume)
   Eigen::Array4Xd restGradientSquares;  ///< 4 x #tetrahedra, m^4, |dV / d corner|^2

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Zlib
+// Orders the springs and tetrahedra of a body and divides them among threads.
+#include "solver/division.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace limber {
+namespace {
+
+// --- the order of springs ----------------------------------------------------------------------------------
+
+/// Number of springs among which a suitable one is searched. The limit keeps the time linear in their number,
+/// and the springs of a batch near each other in memory.
+constexpr std::size_t kWindow = 256;
+
+/// Number of springs after which a point may come again at no cost. A damper waits for the velocities that
+/// the one before it at the same point writes, some 50 cycles. Meanwhile a processor computes the next
+/// batches, as many as fit into the 200 to 500 instructions that it looks ahead. Bodies of fewer than
+/// kManyPoints points have no springs that are so far apart: for them only the springs of a batch matter.
+constexpr std::size_t kFarApart = 24, kManyPoints = 4 * kFarApart;
+
+class ApartOrder {
+ public:
+  explicit ApartOrder(const SpringNetwork& network)
+      : springs_(network.springs), used_(network.restPoints.size(), 0) {}
+
+  void append(std::uint32_t spring) {
+    order.push_back(spring);
+    used_[springs_[spring].a] = used_[springs_[spring].b] = order.size();
+  }
+
+  /// Returns the number of springs since the last one that shares a point with this one, at most kFarApart;
+  /// 0 if that one is in the present batch: then the dampers of the batch are computed one by one.
+  std::size_t distance(std::uint32_t spring) const {
+    const std::size_t last = std::max(used_[springs_[spring].a], used_[springs_[spring].b]);
+    if (last == 0) return kFarApart;
+    return last > order.size() / 4 * 4 ? 0 : std::min(order.size() + 1 - last, kFarApart);
+  }
+
+  std::vector<std::uint32_t> order;
+
+ private:
+  const std::vector<NetworkSpring>& springs_;
+  std::vector<std::size_t> used_;  // #points: 1 + place in `order` of the last spring with this point, or 0
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> orderApart(const SpringNetwork& network, std::vector<std::uint32_t> left) {
+  ApartOrder apart(network);
+  const std::size_t enough = network.restPoints.size() < kManyPoints ? 1 : kFarApart;
+  for (std::size_t first = 0; first < left.size(); ++first) {
+    const std::size_t end = std::min(left.size(), first + kWindow);
+    std::size_t best = first, farthest = 0;
+    for (std::size_t k = first; k < end && farthest < enough; ++k)
+      if (const std::size_t distance = apart.distance(left[k]); distance > farthest)
+        best = k, farthest = distance;
+    apart.append(left[best]);
+    // moves the skipped springs up by one, in the same order
+    const auto begin = left.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto chosen = left.begin() + static_cast<std::ptrdiff_t>(best);
+    std::rotate(begin, chosen, chosen + 1);
+  }
+  return std::move(apart.order);
+}
+
+// --- the division ------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Springs or tetrahedra of a slab: with fewer, threads would wait for each other as long as they work, and
+/// springs that share a point would be nearer to each other.
+constexpr std::size_t kSlabElements = 1500;
+
+/// Slabs that keep eight threads busy. More would have more springs between them, whose points are visited
+/// twice.
+constexpr std::size_t kMaxSlabs = 8;
+
+/// Largest share of the elements that a thread computes if each range has a thread.
+constexpr double kLongestPath = 0.6;
+
+/// The points of a body in slabs, with about as many points each.
+struct PointSlabs {
+  std::vector<std::uint32_t> slabOf;  ///< #points
+  std::vector<std::uint32_t> order;   ///< points by slab, then by number
+  std::vector<Range> ranges;          ///< #slabs, of `order`
+};
+
+/// Returns the axis along which the body is divided: a long one, so that few springs cross a cut, and of
+/// several nearly equal ones that along which the numbers of points grow. The points of a slab are then near
+/// each other in memory, too.
+Eigen::Index axisOf(const std::vector<Eigen::Vector3d>& x) {
+  constexpr double kNearlyAsLong = 0.8;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : x) box.extend(p);
+  Eigen::Vector3d path = Eigen::Vector3d::Zero();
+  for (std::size_t i = 1; i < x.size(); ++i) path += (x[i] - x[i - 1]).cwiseAbs();
+  Eigen::Index best;
+  const double longest = box.sizes().maxCoeff(&best);
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (box.sizes()[axis] > kNearlyAsLong * longest && path[axis] < path[best]) best = axis;
+  return best;
+}
+
+/// Divides the points across an axis. Points of one layer of a lattice, which are equally far along, stay
+/// together.
+PointSlabs slabsOf(const std::vector<Eigen::Vector3d>& x, std::size_t slabs) {
+  const Eigen::Index axis = axisOf(x);
+  const auto isBefore = [&](std::uint32_t i, std::uint32_t j) {
+    return x[i][axis] != x[j][axis] ? x[i][axis] < x[j][axis] : i < j;
+  };
+  PointSlabs result;
+  std::vector<std::uint32_t>& order = result.order;
+  order.resize(x.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), isBefore);
+  result.slabOf.resize(x.size());
+  const double same = 1e-6 * (x[order.back()][axis] - x[order.front()][axis]);
+  std::uint32_t begin = 0;
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    const bool isFull = k >= (result.ranges.size() + 1) * order.size() / slabs;
+    if (isFull && x[order[k]][axis] - x[order[k - 1]][axis] > same)
+      result.ranges.push_back({begin, k}), begin = k;
+    result.slabOf[order[k]] = static_cast<std::uint32_t>(result.ranges.size());
+  }
+  result.ranges.push_back({begin, static_cast<std::uint32_t>(order.size())});
+  for (const Range& range : result.ranges) std::sort(order.data() + range.begin, order.data() + range.end);
+  return result;
+}
+
+/// Divides elements with N corners: those inside one slab; those across one cut between neighbouring slabs;
+/// and the others: those that span more, or share a point with elements across another cut.
+template <std::size_t N>
+struct Slabs {
+  std::vector<std::vector<std::uint32_t>> inside, across;
+  std::vector<std::uint32_t> others;
+
+  template <class Corners>
+  Slabs(const PointSlabs& points, std::size_t elements, Corners cornersOf)
+      : inside(points.ranges.size()), across(points.ranges.size() - 1) {
+    const std::vector<std::uint32_t>& slabOf = points.slabOf;
+    constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
+    std::vector<std::uint32_t> cutOf(slabOf.size(), kNone);
+    for (std::uint32_t i = 0; i < elements; ++i) {
+      const std::array<std::uint32_t, N> corners = cornersOf(i);
+      std::uint32_t low = kNone, high = 0;
+      for (const std::uint32_t corner : corners)
+        low = std::min(low, slabOf[corner]), high = std::max(high, slabOf[corner]);
+      const auto isFree = [&](std::uint32_t corner) {
+        return cutOf[corner] == kNone || cutOf[corner] == low;
+      };
+      if (low == high) {
+        inside[low].push_back(i);
+      } else if (high == low + 1 && std::all_of(corners.begin(), corners.end(), isFree)) {
+        across[low].push_back(i);
+        for (const std::uint32_t corner : corners) cutOf[corner] = low;
+      } else {
+        others.push_back(i);
+      }
+    }
+  }
+};
+
+/// Moves the last one to three of them to `others`, so that ranges consist of whole batches.
+void keepWholeBatches(std::vector<std::uint32_t>& elements, std::vector<std::uint32_t>& others) {
+  const auto whole = elements.begin() + static_cast<std::ptrdiff_t>(elements.size() / 4 * 4);
+  others.insert(others.end(), whole, elements.end());
+  elements.erase(whole, elements.end());
+}
+
+/// Appends a range, which may be empty.
+void append(const std::vector<std::uint32_t>& elements, std::size_t phase, Division& division) {
+  const auto begin = static_cast<std::uint32_t>(division.order.size());
+  division.order.insert(division.order.end(), elements.begin(), elements.end());
+  division.phases[phase].push_back({begin, static_cast<std::uint32_t>(division.order.size())});
+}
+
+std::size_t largest(const std::vector<std::vector<std::uint32_t>>& ranges) {
+  std::size_t size = 0;
+  for (const std::vector<std::uint32_t>& range : ranges) size = std::max(size, range.size());
+  return size;
+}
+
+/// `arrange` returns the order of the elements of a range.
+template <std::size_t N, class Corners, class Arrange>
+Division divide(const SpringNetwork& network, std::size_t elements, Corners cornersOf, Arrange arrange) {
+  Division division;
+  for (std::size_t count = kMaxSlabs; count > 1; count /= 2) {
+    if (elements < count * kSlabElements) continue;
+    PointSlabs points = slabsOf(network.restPoints, count);
+    Slabs<N> slabs(points, elements, cornersOf);
+    for (auto* ranges : {&slabs.inside, &slabs.across})
+      for (std::vector<std::uint32_t>& range : *ranges) keepWholeBatches(range, slabs.others);
+    const std::size_t path = largest(slabs.inside) + largest(slabs.across) + slabs.others.size();
+    if (double(path) > kLongestPath * double(elements)) continue;
+    for (const auto& range : slabs.inside) append(arrange(range), 0, division);
+    for (const auto& range : slabs.across) append(arrange(range), 1, division);
+    append(arrange(slabs.others), 2, division);
+    division.points = std::move(points.order);
+    division.pointRanges = std::move(points.ranges);
+    return division;
+  }
+  std::vector<std::uint32_t> all(elements);
+  std::iota(all.begin(), all.end(), 0u);
+  append(arrange(all), 0, division);
+  return division;
+}
+
+}  // namespace
+
+Division divideSprings(const SpringNetwork& network) {
+  const auto cornersOf = [&](std::uint32_t i) {
+    return std::array<std::uint32_t, 2>{network.springs[i].a, network.springs[i].b};
+  };
+  const auto arrange = [&](std::vector<std::uint32_t> range) {
+    return orderApart(network, std::move(range));
+  };
+  return divide<2>(network, network.springs.size(), cornersOf, arrange);
+}
+
+Division divideTetrahedra(const SpringNetwork& network) {
+  const auto cornersOf = [&](std::uint32_t i) { return network.tetrahedra[i]; };
+  return divide<4>(network, network.tetrahedra.size(), cornersOf,
+                   [](const std::vector<std::uint32_t>& range) { return range; });
+}
+
+}  // namespace limber
