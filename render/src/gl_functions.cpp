@@ -148,10 +148,15 @@ DebugMessages::DebugMessages(const Gl& gl) : gl_(gl) {
 
 DebugMessages::~DebugMessages() { gl_.DebugMessageCallback(nullptr, nullptr); }
 
-void APIENTRY DebugMessages::receive(GLenum, GLenum, GLuint, GLenum severity, GLsizei length,
+void APIENTRY DebugMessages::receive(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length,
                                      const GLchar* text, const void* self) {
   // The C interface passes our pointer as const.
   auto& messages = *static_cast<DebugMessages*>(const_cast<void*>(self));
+  const bool isGrave = severity == GL_DEBUG_SEVERITY_HIGH || severity == GL_DEBUG_SEVERITY_MEDIUM;
+  if (isGrave && type == GL_DEBUG_TYPE_PERFORMANCE) {
+    ++messages.counts_.performance;
+    return;
+  }
   switch (severity) {
     case GL_DEBUG_SEVERITY_HIGH:
       ++messages.counts_.high;

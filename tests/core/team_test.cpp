@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Threads that step one body together: the team, the division of springs and tetrahedra, and equal bits.
+#include "solver/team.h"
 #include "solver/division.h"
 #include "solver/simd_steps.h"
-#include "solver/team.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 
@@ -141,7 +141,8 @@ void checkTetrahedra(const SharedNetwork& network) {
 }
 
 TEST(Division, rangesOfAPhaseShareNoPoint) {
-  for (const SharedNetwork& network : {largeCloth(), largeBlock(), test::cubeNetwork()}) checkSprings(network);
+  for (const SharedNetwork& network : {largeCloth(), largeBlock(), test::cubeNetwork()})
+    checkSprings(network);
   for (const SharedNetwork& network : {largeBlock(), test::tetrahedralCubeNetwork()})
     checkTetrahedra(network);
 }

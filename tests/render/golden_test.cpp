@@ -2,7 +2,8 @@
 // Pictures are compared with reference pictures that were checked by eye. Software rasterisers of one version
 // agree bit for bit on one kind of processor. Between kinds (reciprocals, fused multiplication) a few
 // channels differ by some levels, and a pixel at an edge may change sides: a tolerance of 3, and a thousandth
-// of the pixels.
+// of the pixels. A GPU has other rules for edges: an NVIDIA H200 differs in 1.5 to 3.7 thousandths of the
+// pixels.
 //
 // To renew them after a change of looks: LIMBER_RENEW_GOLDENS=1 limber_render_tests
 // --gtest_filter='*Golden*', then check tests/render/goldens/*.png by eye.
@@ -18,7 +19,7 @@ namespace limber::render::test {
 namespace {
 
 constexpr int kTolerance = 3;
-constexpr double kOutliers = 1e-3;
+constexpr double kOutliers = 1e-3, kOutliersOfGpus = 1e-2;
 
 struct GoldenCase {
   const char* name;
@@ -34,7 +35,12 @@ std::string goldenPath(const GoldenCase& value) {
   return std::string(LIMBER_GOLDENS_DIR) + "/" + value.name + ".png";
 }
 
-Image draw(const GoldenCase& value) {
+struct Drawn {
+  Image image;
+  double outliers;  ///< allowed share of the pixels
+};
+
+Drawn draw(const GoldenCase& value) {
   RendererDesc desc = smallDesc();
   desc.width = 320;
   desc.height = 180;
@@ -53,7 +59,8 @@ Image draw(const GoldenCase& value) {
       addCross(stage.overlay, {0.7f * x - 1.8f, 0.0f, -0.5f}, 0.1f, {1.0f, 0.8f, 0.0f});
     }
   }
-  return stage.picture(options);
+  const double outliers = isSoftwareRasteriser(stage.renderer().gl()) ? kOutliers : kOutliersOfGpus;
+  return {stage.picture(options), outliers};
 }
 
 double outlierFraction(const Image& a, const Image& b) {
@@ -71,7 +78,7 @@ double outlierFraction(const Image& a, const Image& b) {
 class Golden : public ::testing::TestWithParam<GoldenCase> {};
 
 TEST_P(Golden, LooksAsItDid) {
-  const Image image = draw(GetParam());
+  const auto [image, outliers] = draw(GetParam());
   const std::string path = goldenPath(GetParam());
   if (std::getenv("LIMBER_RENEW_GOLDENS") != nullptr) {
     writePng(path, image);
@@ -81,7 +88,7 @@ TEST_P(Golden, LooksAsItDid) {
   ASSERT_EQ(golden.width, image.width);
   ASSERT_EQ(golden.height, image.height);
   const double fraction = outlierFraction(golden, image);
-  if (fraction > kOutliers) {
+  if (fraction > outliers) {
     const std::string file = std::filesystem::absolute(std::string(GetParam().name) + "-seen.png").string();
     writePng(file, image);
     ADD_FAILURE() << 100.0 * fraction << " % of the pixels differ by more than " << kTolerance

@@ -222,8 +222,9 @@ class LIMBER_API SoftBodySystem {
   /// thread that steps the world. It applies to all systems of the world, also to those created later, until
   /// it is replaced. Ticks alone call it. Results are the same, to the bit, on any number of threads. Bodies
   /// of Collision::Surface are read, searched for contacts with static and kinematic objects, stepped, and
-  /// written in parallel; bodies that touch each other, or a common dynamic body, are stepped by one thread.
-  /// Bodies of Collision::Points are stepped in parallel.
+  /// written in parallel. Bodies that touch each other, or a common dynamic body, are stepped by one thread;
+  /// by all together if there are many or large ones, as is a single body of 3000 springs or more. Bodies of
+  /// Collision::Points are stepped in parallel.
   ///
   /// Within a tick these may then be called on any thread, and several at a time: the world's
   /// btOverlapFilterCallback, the ContactFilter, Bullet's global functions for combined friction and

@@ -48,24 +48,23 @@ class Team {
       return;
     }
     done_.store(0, std::memory_order_relaxed);
-    start({&task, [](void* context, std::uint32_t i) { (*static_cast<Task*>(context))(i); }, count, threads});
-    takeOwnTasks(0);
-    takeOtherTasks(0);
+    start(
+        &task, [](void* context, std::uint32_t i) { (*static_cast<Task*>(context))(i); }, count, threads);
+    takeTasks(shares_[0]);
+    for (std::uint32_t i = 1; i < threads; ++i) takeTasks(shares_[i]);
     for (unsigned turns = 0; done_.load(std::memory_order_acquire) != count; ++turns) wait(turns);
   }
 
  private:
-  struct Loop {
-    void* context;
-    void (*call)(void* context, std::uint32_t task);
-    std::uint32_t count, threads;
+  using Call = void (*)(void* context, std::uint32_t task);
 
-    std::uint32_t begin(std::uint32_t share) const { return share * count / threads; }
-  };
-
-  /// The number of the loop and, in the low half, how many tasks of a share nobody has taken.
+  /// The tasks of a thread in the present loop, in a cache line of their own.
   struct alignas(64) Share {
-    std::atomic<std::uint64_t> left{0};
+    std::atomic<std::uint64_t> left{
+        0};  ///< number of the loop, and in the low half tasks that nobody has taken
+    std::atomic<void*> context{nullptr};
+    std::atomic<Call> call{nullptr};
+    std::atomic<std::uint32_t> end{0};  ///< 1 + the last task
   };
 
   /// Waiting threads give up their processor now and then: the one they wait for may need it.
@@ -77,76 +76,55 @@ class Team {
 #endif
   }
 
-  void start(const Loop& loop) {
-    context_.store(loop.context, std::memory_order_relaxed);
-    call_.store(loop.call, std::memory_order_relaxed);
-    count_.store(loop.count, std::memory_order_relaxed);
-    threads_.store(loop.threads, std::memory_order_relaxed);
-    const std::uint32_t number = number_.load(std::memory_order_relaxed) + 1;
-    for (std::uint32_t i = 0; i < loop.threads; ++i)
-      shares_[i].left.store(std::uint64_t{number} << 32 | (loop.begin(i + 1) - loop.begin(i)),
-                            std::memory_order_release);
-    number_.store(number, std::memory_order_release);
-  }
-
-  Loop present() const {
-    return {context_.load(std::memory_order_relaxed), call_.load(std::memory_order_relaxed),
-            count_.load(std::memory_order_relaxed), threads_.load(std::memory_order_relaxed)};
-  }
-
-  void takeOwnTasks(std::uint32_t thread) {
-    while (takeTask(thread)) {
+  void start(void* context, Call call, std::uint32_t count, std::uint32_t threads) {
+    ++loop_;
+    for (std::uint32_t i = 0; i < threads; ++i) {
+      const std::uint32_t begin = i * count / threads, end = (i + 1) * count / threads;
+      Share& share = shares_[i];
+      share.context.store(context, std::memory_order_relaxed);
+      share.call.store(call, std::memory_order_relaxed);
+      share.end.store(end, std::memory_order_relaxed);
+      share.left.store(loop_ << 32 | (end - begin), std::memory_order_release);
     }
+    shareCount_.store(threads, std::memory_order_relaxed);
   }
 
-  /// Takes the tasks that others have left.
-  void takeOtherTasks(std::uint32_t thread) {
-    const std::uint32_t threads = threads_.load(std::memory_order_relaxed);
-    for (std::uint32_t i = 1; i < threads; ++i) takeOwnTasks((thread + i) % threads);
-  }
-
-  /// Takes a task of a share and runs it. Returns false if none is left.
+  /// Takes all tasks of a share, one by one, and runs them. Returns whether there were any.
   ///
-  /// The leader changes the loop only after all its tasks are done. So if `left` still has the same value
-  /// when the task is taken, the loop that was read before is the one to which the task belongs.
-  bool takeTask(std::uint32_t share) {
-    std::uint64_t left = shares_[share].left.load(std::memory_order_acquire);
-    for (;;) {
-      const auto tasks = static_cast<std::uint32_t>(left);
-      if (tasks == 0) return false;
-      const Loop loop = present();
-      if (!shares_[share].left.compare_exchange_weak(left, left - 1, std::memory_order_acq_rel)) continue;
-      loop.call(loop.context, loop.begin(share + 1) - tasks);
+  /// The leader changes a share only after all its tasks are done. So if `left` still has the same value when
+  /// a task is taken, the members read before are those of its loop.
+  bool takeTasks(Share& share) {
+    bool any = false;
+    for (std::uint64_t left = share.left.load(std::memory_order_acquire);
+         static_cast<std::uint32_t>(left) > 0;) {
+      void* const context = share.context.load(std::memory_order_relaxed);
+      const Call call = share.call.load(std::memory_order_relaxed);
+      const std::uint32_t task = share.end.load(std::memory_order_relaxed) - static_cast<std::uint32_t>(left);
+      if (!share.left.compare_exchange_weak(left, left - 1, std::memory_order_acq_rel)) continue;
+      call(context, task);
       done_.fetch_add(1, std::memory_order_acq_rel);
-      return true;
+      any = true;
+      left = share.left.load(std::memory_order_acquire);
     }
+    return any;
   }
 
   /// Each thread first does its own share. To look for what others have left takes their cache lines from
   /// them, so that comes after some waiting: it is for threads that have lost their processor.
   void help(std::uint32_t thread) {
-    constexpr unsigned kPatience = 64;
-    std::uint32_t seen = 0;
+    constexpr unsigned kPatience = 32;
     for (unsigned turns = 0; !ended_.load(std::memory_order_acquire); ++turns) {
-      const std::uint32_t number = number_.load(std::memory_order_acquire);
-      if (number != seen) {
-        seen = number;
-        turns = 0;
-        takeOwnTasks(thread);
-      } else {
-        if (turns == kPatience) takeOtherTasks(thread);
-        wait(turns);
-      }
+      if (takeTasks(shares_[thread % kMaxThreads])) turns = 0;
+      if (turns == kPatience)
+        for (std::uint32_t i = 0; i < shareCount_.load(std::memory_order_relaxed); ++i) takeTasks(shares_[i]);
+      wait(turns);
     }
   }
 
-  alignas(64) std::atomic<std::uint32_t> joined_{0};
-  // the present loop
-  alignas(64) std::atomic<std::uint32_t> number_{0};
-  std::atomic<bool> ended_{false};
-  std::atomic<void*> context_{nullptr};
-  std::atomic<void (*)(void*, std::uint32_t)> call_{nullptr};
-  std::atomic<std::uint32_t> count_{0}, threads_{0};
+  std::atomic<std::uint32_t> joined_{0};
+  std::atomic<std::uint32_t> shareCount_{0};
+  std::uint64_t loop_ = 0;  ///< number of loops, for the leader
+  alignas(64) std::atomic<bool> ended_{false};
   alignas(64) std::atomic<std::uint32_t> done_{0};
   std::array<Share, kMaxThreads> shares_;
 };

@@ -8,12 +8,14 @@
 
 namespace limber::render {
 
-/// Number of the driver's debug messages, by severity.
+/// Number of the driver's debug messages, by severity; those about performance are counted apart.
 struct DebugMessageCounts {
   std::size_t high = 0;
   std::size_t medium = 0;
   std::size_t low = 0;
   std::size_t notification = 0;
+  std::size_t performance = 0;  ///< of medium and high severity; NVIDIA's drivers tell about each buffer that
+                                ///< is read back
 };
 
 /// Receives the driver's debug messages from construction on. It must outlive all use of the context, or be
@@ -27,9 +29,9 @@ class DebugMessages {
   DebugMessages& operator=(const DebugMessages&) = delete;
 
   const DebugMessageCounts& counts() const { return counts_; }
-  /// Number of messages of medium or high severity; 0 in a correct program.
+  /// Number of messages of medium or high severity that are not about performance; 0 in a correct program.
   std::size_t complaints() const { return counts_.medium + counts_.high; }
-  /// Text of the last message of medium or high severity, else empty.
+  /// Text of the last of these messages, else empty.
   const std::string& lastComplaint() const { return lastComplaint_; }
 
  private:
