@@ -335,7 +335,7 @@ def plot_springs(results):
 def plot_threads(results):
     runs = [run for run in results.runs if run.setting != "1 thread"]
     figure = bars(runs, "gain", lambda run: run.scene, lambda run: run.setting,
-                  "Several threads help most where there are many separate bodies", "speed over one thread; bar ends: measured, "
+                  "Several threads help many bodies and large ones", "speed over one thread; bar ends: measured, "
                   "vertical strokes: the most that is possible")
     axes, scenes, settings = figure.axes[0], unique(run.scene for run in runs), unique(run.setting for run in runs)
     height = 0.84 / len(settings)

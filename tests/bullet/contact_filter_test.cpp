@@ -378,7 +378,7 @@ TEST(ContactFilter, givesTheSameBitsOnAnyNumberOfThreads) {
     addGround(bullet, Ground::Triangles);
     SoftBodySystem system(*bullet.world);
     ThreadPool pool(threads);
-    system.setParallelFor(pool.parallelFor());
+    system.setParallelFor(pool.parallelFor(), 0);
     system.setContactFilter([](ContactCandidate& c) {
       c.friction = c.otherTriangle % 2 ? 0.1 : 0.9;
       c.surfaceVelocity = vec(0.5, 0, 0);

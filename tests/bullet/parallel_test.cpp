@@ -103,6 +103,7 @@ struct Fair {
     addPile();
     addRigids();
     addLinked();
+    addCloth();
   }
 
   SoftBodySettings at(double x, double y, double z) const {
@@ -125,6 +126,15 @@ struct Fair {
   void addPile() {
     for (int i = 0; i < 12; ++i)
       (void)*system.createBody(test::closedCubeNetwork(), at(-3 + 0.1 * (i % 2), 0.6 + 1.05 * i, 0));
+  }
+
+  /// A body that several threads step together. Without it there would be too little to do for several.
+  void addCloth() {
+    ClothSettings cloth;
+    cloth.columns = cloth.rows = 24;
+    SoftBodySettings s = at(-14, 3, 0);
+    s.extensionStiffness = s.compressionStiffness = 100;
+    (*system.createBody(*buildCloth(cloth), s))->pin(0);
   }
 
   void addRigids() {
@@ -203,7 +213,7 @@ TEST(ParallelTick, givesTheSameBitsOnAnyNumberOfThreads) {
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {
     Fair fair;
     ThreadPool pool(threads);
-    fair.system.setParallelFor(pool.parallelFor());
+    fair.system.setParallelFor(pool.parallelFor(), 0);
     EXPECT_EQ(hashesOf(fair, kFairTicks), expectedHashes()) << threads << " threads";
   }
 }
@@ -270,7 +280,7 @@ TEST(ParallelTick, largeBodiesAndPilesHaveTheSameBitsOnAnyNumberOfThreads) {
       SCOPED_TRACE(testing::Message() << "scene " << int(kind) << ", threads " << threads);
       TogetherScene scene(kind);
       ThreadPool pool(std::max(threads, 1u));
-      if (threads > 0) scene.system.setParallelFor(pool.parallelFor());
+      if (threads > 0) scene.system.setParallelFor(pool.parallelFor(), 0);
       std::vector<std::uint64_t> hashes;
       for (int i = 0; i < 30; ++i) {
         scene.bullet.tick();
@@ -287,7 +297,7 @@ TEST(ParallelTick, canBeSwitchedBetweenTicks) {
   ThreadPool pool(3);
   std::vector<std::uint64_t> hashes;
   for (int i = 0; i < kFairTicks; ++i) {
-    fair.system.setParallelFor(i % 2 ? pool.parallelFor() : nullptr);
+    fair.system.setParallelFor(i % 2 ? pool.parallelFor() : nullptr, 0);
     fair.tick();
     hashes.push_back(fair.hash());
   }
@@ -306,18 +316,46 @@ TEST(ParallelTick, holdsForAllSystemsOfTheWorld) {
   EXPECT_GT(calls, 0u);
 }
 
+TEST(ParallelTick, leavesTheThreadsAloneInSmallWorlds) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  int calls = 0;
+  system.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
+    ++calls;
+    for (std::size_t i = 0; i < count; ++i) task(i);
+  });
+  const auto add = [&](int first, int end) {
+    for (int i = first; i < end; ++i) {
+      SoftBodySettings s = test::testedSettings();
+      s.position = {1.5 * (i % 20), 1.0, 1.5 * (i / 20)};
+      (void)*system.createBody(test::closedCubeNetwork(), s);
+    }
+  };
+  add(0, 20);
+  for (int i = 0; i < 5; ++i) bullet.tick();
+  EXPECT_EQ(calls, 0);
+  add(20, 320);
+  bullet.tick();
+  EXPECT_GT(calls, 0);
+}
+
 TEST(ParallelTick, allocatesNothingAfterWarmUp) {
   BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   ThreadPool pool(2);
   system.setParallelFor(pool.parallelFor());
-  for (int i = 0; i < 12; ++i) {
+  const auto add = [&](const SharedNetwork& network, double x) {
     SoftBodySettings s = test::testedSettings();
-    s.position = {1.5 * i, 1.0, 0};
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    s.position = {x, 1.0, 0};
+    SoftBody* body = *system.createBody(network, s);
     body->point(0)->setActivationState(DISABLE_DEACTIVATION);
-  }
+  };
+  for (int i = 0; i < 12; ++i) add(test::cubeNetwork(), 1.5 * i);
+  ClothSettings cloth;
+  cloth.columns = cloth.rows = 24;
+  add(*buildCloth(cloth), -3.0);
   bullet.simulate(3.0);
   // both threads must have had each kind of work once, and no one knows when
   std::size_t allocations = 1;
@@ -335,7 +373,7 @@ TEST(ParallelTick, takesOverRoundingAndDenormalNumbers) {
   std::fegetenv(&usual);
   std::fesetround(FE_TOWARDZERO);
   Fair alone, fair;
-  fair.system.setParallelFor(pool.parallelFor());
+  fair.system.setParallelFor(pool.parallelFor(), 0);
   EXPECT_EQ(hashesOf(fair, 30), hashesOf(alone, 30));
   std::fesetenv(&usual);
 }

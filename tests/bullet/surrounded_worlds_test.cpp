@@ -65,7 +65,7 @@ struct BusyWorld {
 TEST(BusySurroundings, givesTheSameBitsOnAnyNumberOfThreads) {
   BusyWorld alone, together;
   ThreadPool pool(2);
-  together.system.setParallelFor(pool.parallelFor());
+  together.system.setParallelFor(pool.parallelFor(), 0);
   for (int i = 0; i < 120; ++i) {
     alone.bullet.tick();
     together.bullet.tick();

@@ -507,7 +507,7 @@ std::uint64_t hashOfCrowd(bool threads) {
   SoftBodySystem system(*bullet.world);
   Listener listener;
   system.setContactListener(&listener);
-  if (threads) system.setParallelFor(onTwoThreads);
+  if (threads) system.setParallelFor(onTwoThreads, 0);
   std::vector<SoftBody*> bodies;
   for (const auto& [name, make] : kKinds) {
     SoftBodySettings s = tearing(0.15);

@@ -126,7 +126,7 @@ void WorldPlayer::addSystem() {
   systems_.back()->onWarning([](const std::string&) {});
   if (options_.threads > 1) {
     if (!threads_) threads_ = std::make_unique<ThreadPool>(options_.threads);
-    systems_.back()->setParallelFor(threads_->parallelFor());
+    systems_.back()->setParallelFor(threads_->parallelFor(), 0);
   }
   if (settings_.is("listener")) systems_.back()->setContactListener(listener_.get());
   if (settings_.is("report")) systems_.back()->reportManifolds(true);

@@ -226,12 +226,16 @@ class LIMBER_API SoftBodySystem {
   /// by all together if there are many or large ones, as is a single body of 3000 springs or more. Bodies of
   /// Collision::Points are stepped in parallel.
   ///
+  /// `fromSprings`: ticks whose awake bodies have fewer springs do not call it, unless one of them has 3000
+  /// itself; 0: all call it. Some 200 cubes have 6000; with fewer, starting the threads takes longer than the
+  /// work.
+  ///
   /// Within a tick these may then be called on any thread, and several at a time: the world's
   /// btOverlapFilterCallback, the ContactFilter, Bullet's global functions for combined friction and
   /// restitution, and virtual functions of the user's shapes and objects. They must not throw. They may call
   /// findSurface(), findPoint(), isSystemObject() and SoftBody::settings(). Everything else keeps the thread
   /// rule above.
-  void setParallelFor(ParallelFor run);
+  void setParallelFor(ParallelFor run, std::size_t fromSprings = 6000);
 
   const TickProfile& profile() const;
 

@@ -387,7 +387,7 @@ void stepIsland(Island& island, const TickContacts& found, double tick, ScratchP
 }
 
 /// Number of springs whose substeps are worth the time in which threads wait for each other.
-constexpr double kTeamSprings = 2000.0;
+constexpr std::size_t kTeamSprings = 2000;
 
 double workOf(const Island& island) {
   double work = 0.0;
@@ -407,10 +407,11 @@ void findLarge(Islands& islands, const Parallel& parallel) {
   islands.small.clear();
   double total = 0.0;
   for (const Island& island : islands) total += workOf(island);
+  const std::size_t enough = std::min(kTeamSprings, parallel.fromSprings());
   for (std::uint32_t i = 0; i < islands.count; ++i) {
     const Island& island = islands.all[i];
-    const bool isLarge = parallel.isOn() && double(springCount(island)) >= kTeamSprings &&
-                         workOf(island) >= kLargeShare * total;
+    const bool isLarge =
+        parallel.isOn() && springCount(island) >= enough && workOf(island) >= kLargeShare * total;
     (isLarge ? islands.large : islands.small).push_back(i);
   }
 }

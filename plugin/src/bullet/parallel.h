@@ -23,22 +23,30 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// Work on one item must not depend on other items: then results are the same on any number of threads.
 class Parallel {
  public:
-  void use(ParallelFor run) { run_ = run ? std::make_shared<const ParallelFor>(std::move(run)) : nullptr; }
-  bool isOn() const { return run_ != nullptr; }
+  void use(ParallelFor run, std::size_t fromSprings) {
+    run_ = run ? std::make_shared<const ParallelFor>(std::move(run)) : nullptr;
+    fromSprings_ = fromSprings;
+  }
+  bool isOn() const { return run_ != nullptr && worthwhile_; }
+
+  /// Number of springs from which on several threads gain something.
+  std::size_t fromSprings() const { return fromSprings_; }
+  /// Leaves the threads alone while there is so little to do that starting them would take longer.
+  void setWorthwhile(bool worthwhile) { worthwhile_ = worthwhile; }
 
   /// Returns the number of ranges of inBlocks(); range i begins at i times their size.
   std::size_t blockCount(std::size_t count) const {
     return (count + blockSize(count) - 1) / blockSize(count);
   }
   std::size_t blockSize(std::size_t count) const {
-    return std::max<std::size_t>(run_ ? (count + kMaxBlocks - 1) / kMaxBlocks : count, 1);
+    return std::max<std::size_t>(isOn() ? (count + kMaxBlocks - 1) / kMaxBlocks : count, 1);
   }
 
   /// Calls visit(begin, end) for ranges that cover [0, count), each range once.
   template <class Visit>
   void inBlocks(std::size_t count, Visit visit) const {
     if (count == 0) return;
-    if (!run_ || count == 1) return visit(std::size_t{0}, count);
+    if (!isOn() || count == 1) return visit(std::size_t{0}, count);
     struct Blocks {
       std::size_t count, size;
       Visit& visit;
@@ -78,6 +86,8 @@ class Parallel {
   static constexpr std::size_t kMaxBlocks = 64;
 
   std::shared_ptr<const ParallelFor> run_;
+  std::size_t fromSprings_ = 0;
+  bool worthwhile_ = true;
 };
 
 /// Scratch memory for blocks that run at the same time. Its contents must not affect results.

@@ -422,7 +422,9 @@ void SoftBodySystem::reportManifolds(bool report) {
 
 void SoftBodySystem::beforeTick(btScalar tick) { impl_->beforeTick(tick); }
 
-void SoftBodySystem::setParallelFor(ParallelFor run) { impl_->step->parallel.use(std::move(run)); }
+void SoftBodySystem::setParallelFor(ParallelFor run, std::size_t fromSprings) {
+  impl_->step->parallel.use(std::move(run), fromSprings);
+}
 
 const TickProfile& SoftBodySystem::profile() const { return impl_->step->profile; }
 

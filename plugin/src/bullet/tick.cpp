@@ -75,6 +75,16 @@ void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work) {
   if (!group.inIsland) numberIsland(group.bodies);
 }
 
+/// Whether there is work for several threads: so many springs, or a body that is divided among them.
+bool isMuch(const std::vector<SoftBodyData*>& bodies, std::size_t fromSprings) {
+  std::size_t springs = 0;
+  for (const SoftBodyData* body : bodies) {
+    if (body->springs->division.isDivided()) return true;
+    springs += body->springs.size();
+  }
+  return springs >= fromSprings;
+}
+
 bool hasLinks(const btCollisionWorld& world) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();
   for (int i = 0; i < objects.size(); ++i)
@@ -161,6 +171,7 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   for (const LinkedGroup* group : awake)
     moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());
   markJoined(moving, *world);
+  parallel.setWorthwhile(isMuch(moving, parallel.fromSprings()));
 }
 
 void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
