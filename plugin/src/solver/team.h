@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <thread>
 
@@ -111,13 +112,20 @@ class Team {
 
   /// Each thread first does its own share. To look for what others have left takes their cache lines from
   /// them, so that comes after some waiting: it is for threads that have lost their processor.
+  ///
+  /// Some 0.2 ms without work are a long computation of the leader alone. Then the processor is left to
+  /// others.
   void help(std::uint32_t thread) {
-    constexpr unsigned kPatience = 32;
+    constexpr unsigned kPatience = 32, kLongWait = 4000;
+    constexpr std::chrono::microseconds kNap(20);
     for (unsigned turns = 0; !ended_.load(std::memory_order_acquire); ++turns) {
       if (takeTasks(shares_[thread % kMaxThreads])) turns = 0;
       if (turns == kPatience)
         for (std::uint32_t i = 0; i < shareCount_.load(std::memory_order_relaxed); ++i) takeTasks(shares_[i]);
-      wait(turns);
+      if (turns < kLongWait)
+        wait(turns);
+      else
+        std::this_thread::sleep_for(kNap);
     }
   }
 
