@@ -198,7 +198,7 @@ std::vector<std::uint64_t> hashesOf(Fair& fair, int ticks) {
   return hashes;
 }
 
-constexpr int kFairTicks = 80;
+constexpr int kFairTicks = 60;
 
 /// Returns the hashes on one thread.
 const std::vector<std::uint64_t>& expectedHashes() {
