@@ -30,14 +30,7 @@ std::vector<SharedNetwork> networks() {
 /// A deformed, moving body with one static point and one plane contact.
 struct DeformedBody : SteppedTestBody {
   DeformedBody(const SharedNetwork& network, double damping) : SteppedTestBody(network, 300.0, damping) {
-    for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-      const double t = static_cast<double>(i);
-      state.position.col(i) *= 1.1;
-      state.position.col(i) += 0.02 * Eigen::Vector3d(std::sin(t), std::cos(3 * t), std::sin(5 * t));
-      state.velocity.col(i) = Eigen::Vector3d(std::cos(t), -1.0, 0.3 * std::sin(2 * t));
-      state.acceleration.col(i) = Eigen::Vector3d(0.0, -9.81, 0.0);
-    }
-    state.inverseMass.col(0).setZero();
+    disturb();
     PlaneContact row;
     row.point = 1;
     row.friction = 0.3;

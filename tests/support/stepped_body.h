@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 
+#include <cmath>
+
 namespace limber::test {
 
 /// A body in its rest shape, to test the steppers without a world.
@@ -34,6 +36,17 @@ struct SteppedTestBody {
   SteppedTestBody(const SteppedTestBody&) = delete;
   SteppedTestBody& operator=(const SteppedTestBody&) = delete;
 
+  /// Deforms the body, moves its points in all directions and lets it fall; the first point is held.
+  void disturb() {
+    for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+      const double t = static_cast<double>(i);
+      state.position.col(i) *= 1.1;
+      state.position.col(i) += 0.02 * Eigen::Vector3d(std::sin(t), std::cos(3 * t), std::sin(5 * t));
+      state.velocity.col(i) = Eigen::Vector3d(std::cos(t), -1.0, 0.3 * std::sin(2 * t));
+      state.acceleration.col(i) = Eigen::Vector3d(0.0, -9.81, 0.0);
+    }
+    state.inverseMass.col(0).setZero();
+  }
   void spin(const Eigen::Vector3d& omega) {
     for (Eigen::Index i = 0; i < state.position.cols(); ++i)
       state.velocity.col(i) += omega.cross(Eigen::Vector3d(state.position.col(i)));

@@ -424,6 +424,7 @@ void stepIslands(Islands& islands, const TickContacts& found, double tick,
   const auto step = [&](std::uint32_t i, Team* team) {
     islands.all[i].step.team = team;
     stepIsland(islands.all[i], found, tick, searches, lock);
+    islands.all[i].step.team = nullptr;
   };
   for (const std::uint32_t i : islands.large) parallel.together([&](Team& team) { step(i, &team); });
   parallel.forEach(islands.small.size(), [&](std::size_t i) { step(islands.small[i], nullptr); });

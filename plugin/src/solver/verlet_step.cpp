@@ -128,9 +128,10 @@ void addParts(std::uint32_t number, const BatchedBody& body, StepParts& parts) {
   for (const Range& range : (*b.springs)->division.pointRanges)
     parts.points.push_back({number, range.begin, range.end});
   const auto points = static_cast<std::uint32_t>(b.points->position.cols());
-  for (std::uint32_t i = 0; mayTouch(b) && i < points; i += kContactPoints)
-    parts.contacts.push_back({number, i, std::min(i + kContactPoints, points)});
   parts.divided.push_back(number);
+  if (!mayTouch(b)) return;
+  for (std::uint32_t i = 0; i < points; i += kContactPoints)
+    parts.contacts.push_back({number, i, std::min(i + kContactPoints, points)});
 }
 
 void makeParts(SolverIsland& group) {
