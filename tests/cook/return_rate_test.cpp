@@ -95,14 +95,14 @@ TEST(Relaxation, ofARunDependsOnItsStartAlone) {
   std::vector<Points> together(24);
   relax(body, together.size(), start, [&](std::size_t i, const Points& x) {
     together[i] = x;
-    return true;
+    return kAllStarts;
   });
   for (std::size_t i = 0; i < together.size(); ++i)
     relax(
         body, 1, [&](std::size_t) { return start(i); },
         [&](std::size_t, const Points& x) {
           EXPECT_EQ(x, together[i]) << i;
-          return true;
+          return kAllStarts;
         });
 }
 
@@ -113,14 +113,14 @@ TEST(Relaxation, endsInAMinimumOfTheEnergy) {
       body, 10, [&](std::size_t i) { return deform(body.rest, Deformation::Mirror, 3, i); },
       [&](std::size_t, const Points& x) {
         ++runs;
-        if (distanceToRest(body, x) < kReturned) return true;
+        if (distanceToRest(body, x) < kReturned) return kAllStarts;
         PointState state;
         state.resize(x.cols());
         state.position = x;
         computeSpringForces(body.terms.springs, state);
         addVolumeForces(body.terms.volumes, state);
         EXPECT_LT(state.force.cwiseAbs().maxCoeff(), 1e-5);
-        return true;
+        return kAllStarts;
       });
   EXPECT_EQ(runs, 10u);
 }
@@ -242,7 +242,7 @@ TEST(Relaxation, isTheSameOnAnyNumberOfThreads) {
         body, ends.size(), [&](std::size_t i) { return deform(body.rest, kKinds[i % 3], 5, i); },
         [&](std::size_t i, const Points& x) {
           ends[i] = x;
-          return true;
+          return kAllStarts;
         },
         parallel);
     return ends;
@@ -257,13 +257,13 @@ TEST(Relaxation, descendsTheWholeEnergy) {
   const auto start = [&](std::size_t i) { return deform(body.rest, Deformation::Squash, 1, i); };
   relax(body, 8, start, [&](std::size_t, const Points&) {
     for (const double scale : body.terms.tetrahedra.stabilityScale) EXPECT_EQ(scale, 0.0);
-    return true;
+    return kAllStarts;
   });
   RelaxedBody closed(*network_shapes::bare(network_shapes::ico42()));
   const auto squash = [&](std::size_t i) { return deform(closed.rest, Deformation::Squash, 1, i); };
   relax(closed, 8, squash, [&](std::size_t, const Points&) {
     EXPECT_EQ(closed.terms.volumes.timeStep, 0.0);
-    return true;
+    return kAllStarts;
   });
 }
 

@@ -61,7 +61,8 @@ ReturnRate measureReturns(const SpringNetwork& network, Deformation kind, std::u
       [&](std::size_t run, const Points& x) {
         ends[run] = endOf(body, x);
         const double done = static_cast<double>(++finished) / runs;
-        return !progress || std::this_thread::get_id() != caller || progress("return rate", done);
+        const bool goOn = !progress || std::this_thread::get_id() != caller || progress("return rate", done);
+        return goOn ? kAllStarts : 0;
       },
       parallel);
   return rateOf(ends);

@@ -86,15 +86,25 @@ void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns) 
   }
 }
 
+/// Columns that stay in the caches while all reflections pass over them.
+constexpr Eigen::Index kColumnsAtOnce = 8;
+
 Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index count) {
   Eigen::MatrixXd reduced = columns, result = Eigen::MatrixXd::Identity(columns.rows(), count);
   std::vector<Reflection> reflections;
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    reflections.push_back(reflectionOntoAxis(reduced.col(k), k));
-    for (Eigen::Index j = k + 1; j < reduced.cols(); ++j) reflect(reflections.back(), reduced.col(j));
+  for (Eigen::Index first = 0; first < columns.cols(); first += kColumnsAtOnce) {
+    const Eigen::Index end = std::min(first + kColumnsAtOnce, columns.cols());
+    for (const Reflection& r : reflections)
+      for (Eigen::Index j = first; j < end; ++j) reflect(r, reduced.col(j));
+    for (Eigen::Index k = first; k < end; ++k) {
+      reflections.push_back(reflectionOntoAxis(reduced.col(k), k));
+      for (Eigen::Index j = k + 1; j < end; ++j) reflect(reflections.back(), reduced.col(j));
+    }
   }
-  for (auto r = reflections.rbegin(); r != reflections.rend(); ++r)
-    for (Eigen::Index j = 0; j < count; ++j) reflect(*r, result.col(j));
+  for (Eigen::Index first = 0; first < count; first += kColumnsAtOnce)
+    for (auto r = reflections.rbegin(); r != reflections.rend(); ++r)
+      for (Eigen::Index j = first; j < std::min(first + kColumnsAtOnce, count); ++j)
+        reflect(*r, result.col(j));
   return result;
 }
 

@@ -276,7 +276,7 @@ void addSoftModeBraces(BracedPiece& piece, std::size_t maxBraces, std::uint64_t 
   }
 }
 
-constexpr int kCleanRounds = 12, kMaxRounds = 60;
+constexpr std::size_t kCleanRounds = 12, kMaxRounds = 60;
 
 /// Limit for all runs together, in runs of a body of one point. A run takes about points^1.5, because the
 /// number of steps grows with the distance across the body. 5 000 points get 56 runs, 1 000 get 630.
@@ -329,30 +329,59 @@ bool isWrong(const RelaxedBody& body, const Points& x) {
   return x.allFinite() && distanceToRest(body, x) >= kReturned && distanceToRest(body, -x) >= kReturned;
 }
 
-/// Relaxes the starts and returns the wrong shapes among the results. Calls `goOn` on the calling thread.
-Examples findWrongShapes(RelaxedBody& body, const Examples& starts, Trials& trials,
-                         const std::function<bool()>& goOn) {
-  trials.runsLeft -= std::min(trials.runsLeft, starts.size());
-  Examples ends(starts.size());
-  const std::thread::id caller = std::this_thread::get_id();
-  relax(
-      body, starts.size(), [&](std::size_t i) { return starts[i].x; },
-      [&](std::size_t i, const Points& x) {
-        if (isWrong(body, x)) ends[i] = {starts[i].kind, x};
-        return std::this_thread::get_id() != caller || goOn();
-      },
-      trials.parallel);
-  ends.erase(std::remove_if(ends.begin(), ends.end(), [](const Example& e) { return e.x.cols() == 0; }),
-             ends.end());
-  return ends;
+/// The wrong shapes of the first round that ended in any, and the number of rounds before it.
+struct WrongShapes {
+  std::size_t cleanRounds = 0;
+  Examples shapes;
+};
+
+WrongShapes firstOf(const Examples& ends, std::size_t roundSize) {
+  WrongShapes wrong;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (i % roundSize == 0 && i > 0 && !wrong.shapes.empty()) return wrong;
+    if (ends[i].x.cols() > 0) wrong.shapes.push_back(ends[i]);
+    if ((i + 1) % roundSize == 0 && wrong.shapes.empty()) ++wrong.cleanRounds;
+  }
+  return wrong;
 }
 
-Examples startsOfRound(const RelaxedBody& body, const Trials& trials, std::uint64_t round) {
-  Random random(trials.seed ^ (round << 32));
-  Examples starts;
-  for (const Deformation kind : kindsOfRound(trials, random))
-    starts.push_back({kind, deform(body.rest, kind, trials.seed, kRuns * round + starts.size())});
-  return starts;
+/// Relaxes starts of these kinds, in rounds of `roundSize`, up to the first round with wrong shapes. Runs of
+/// later rounds fill the registers while a round's last runs come to rest. Calls `goOn` on the calling
+/// thread.
+WrongShapes findWrongShapes(RelaxedBody& body, const std::vector<Deformation>& kinds, std::size_t roundSize,
+                            const std::function<Points(std::size_t)>& start, Trials& trials,
+                            const std::function<bool()>& goOn) {
+  Examples ends(kinds.size());
+  const std::thread::id caller = std::this_thread::get_id();
+  relax(
+      body, kinds.size(), start,
+      [&](std::size_t i, const Points& x) -> std::size_t {
+        if (std::this_thread::get_id() == caller && !goOn()) return 0;
+        if (!isWrong(body, x)) return kAllStarts;
+        ends[i] = {kinds[i], x};
+        return (i / roundSize + 1) * roundSize;
+      },
+      trials.parallel);
+  WrongShapes wrong = firstOf(ends, roundSize);
+  const std::size_t rounds = wrong.cleanRounds + (wrong.shapes.empty() ? 0 : 1);
+  trials.runsLeft -= std::min(trials.runsLeft, rounds * roundSize);
+  return wrong;
+}
+
+/// Releases the body in up to `rounds` rounds, which are numbered from `first`.
+WrongShapes releaseInRounds(RelaxedBody& body, std::size_t first, std::size_t rounds, Trials& trials,
+                            const std::function<bool()>& goOn) {
+  rounds = std::min(rounds, (trials.runsLeft + kRuns - 1) / kRuns);
+  std::vector<Deformation> kinds;
+  for (std::size_t round = first; round < first + rounds; ++round) {
+    Random random(trials.seed ^ (static_cast<std::uint64_t>(round) << 32));
+    const std::vector<Deformation> more = kindsOfRound(trials, random);
+    kinds.insert(kinds.end(), more.begin(), more.end());
+  }
+  const auto start = [&](std::size_t i) {
+    return deform(body.rest, kinds[i], trials.seed, kRuns * first + i);
+  };
+  return findWrongShapes(body, kinds, kRuns, start, trials, goOn);
 }
 
 /// Computes the squared errors of length, divided by the largest one of an allowed pair in each example.
@@ -395,8 +424,16 @@ void braceExamples(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trial
       return;
     RelaxedBody braced(piece.network);
     if (trials.runsLeft == 0) return;
-    wrong = findWrongShapes(braced, wrong, trials, goOn);
+    std::vector<Deformation> kinds;
+    for (const Example& e : wrong) kinds.push_back(e.kind);
+    wrong = findWrongShapes(
+                braced, kinds, kinds.size(), [&](std::size_t i) { return wrong[i].x; }, trials, goOn)
+                .shapes;
   }
+}
+
+double share(std::size_t part, std::size_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
 }
 
 /// Counterexample-guided insertion: releases the piece from large random deformations and braces the wrong
@@ -406,22 +443,23 @@ void braceExamples(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trial
 void addCounterexampleBraces(BracedPiece& piece, const BracingSettings& settings, const GoOn& goOn) {
   const std::uint64_t seed = settings.seed;
   Trials trials{seed, maxRuns(piece.network.restPoints.size()), settings.parallel};
-  int clean = 0;
+  std::size_t clean = 0;
   double done = 0.0;  // never decreases, even after a round that is not clean
-  for (int round = 0; round < kMaxRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;
-       ++round) {
-    done =
-        std::max({done, static_cast<double>(clean) / kCleanRounds, static_cast<double>(round) / kMaxRounds});
+  for (std::size_t round = 0;
+       round < kMaxRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;) {
+    done = std::max({done, share(clean, kCleanRounds), share(round, kMaxRounds)});
     bool going = true;
     const std::function<bool()> keepGoing = [&] { return going = going && goOn(done); };
     RelaxedBody body(piece.network);
-    Examples wrong = findWrongShapes(body, startsOfRound(body, trials, static_cast<std::uint64_t>(round)),
-                                     trials, keepGoing);
+    const std::size_t rounds = clean == 0 ? 1 : std::min(kCleanRounds - clean, kMaxRounds - round);
+    WrongShapes wrong = releaseInRounds(body, round, rounds, trials, keepGoing);
     if (!going) return;
-    clean = wrong.empty() ? clean + 1 : 0;
-    for (const Example& e : wrong) ++trials.failures[static_cast<std::size_t>(e.kind)];
-    braceExamples(piece, std::move(wrong), seed + (static_cast<std::uint64_t>(round) << 16), trials,
+    round += wrong.cleanRounds, clean += wrong.cleanRounds;
+    if (wrong.shapes.empty()) continue;
+    for (const Example& e : wrong.shapes) ++trials.failures[static_cast<std::size_t>(e.kind)];
+    braceExamples(piece, std::move(wrong.shapes), seed + (static_cast<std::uint64_t>(round) << 16), trials,
                   keepGoing);
+    ++round, clean = 0;
   }
 }
 

@@ -129,8 +129,13 @@ constexpr int kMaxHalvings = 30;
 /// A step and the change of the gradient over it.
 struct DescentPair {
   Points step, change;
-  double curvature = 0.0;   ///< step . change, above 0
-  double smoothness = 0.0;  ///< change . inverse Laplacian . change, above 0
+  Points smoothedChange;   ///< inverse Laplacian . change
+  double curvature = 0.0;  ///< step . change, above 0
+};
+
+/// The gradient of the energy, and the inverse Laplacian times it.
+struct Slope {
+  Points gradient, smoothed;
 };
 
 /// Fraction of the mean diagonal that is added to the Laplacian, so that it has an inverse.
@@ -181,32 +186,32 @@ Points smoothed(const SparseFactor& laplacian, const Points& x) {
 
 /// Performs the two-loop recursion: minus the inverse Hessian that the pairs and the Laplacian approximate,
 /// times the gradient.
-Points direction(const std::vector<DescentPair>& pairs, const SparseFactor& laplacian,
-                 const Points& gradient) {
-  Points d = -gradient;
+Points direction(const std::vector<DescentPair>& pairs, const Slope& slope) {
+  Points d = -slope.gradient, smoothed = -slope.smoothed;
   std::vector<double> share(pairs.size());
   for (std::size_t i = pairs.size(); i-- > 0;) {
     share[i] = dot(pairs[i].step, d) / pairs[i].curvature;
     d -= share[i] * pairs[i].change;
+    smoothed -= share[i] * pairs[i].smoothedChange;
   }
-  d = smoothed(laplacian, d);
-  if (!pairs.empty()) d *= pairs.back().curvature / pairs.back().smoothness;
+  if (!pairs.empty())
+    smoothed *= pairs.back().curvature / dot(pairs.back().change, pairs.back().smoothedChange);
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    d += (share[i] - dot(pairs[i].change, d) / pairs[i].curvature) * pairs[i].step;
-  return d;
+    smoothed += (share[i] - dot(pairs[i].change, smoothed) / pairs[i].curvature) * pairs[i].step;
+  return smoothed;
 }
 
-void storePair(std::vector<DescentPair>& pairs, const SparseFactor& laplacian, Points step, Points change) {
+void storePair(std::vector<DescentPair>& pairs, Points step, const Slope& from, const Slope& to) {
+  Points change = to.gradient - from.gradient;
   const double curvature = dot(step, change);
   if (curvature <= 1e-12 * std::sqrt(step.squaredNorm() * change.squaredNorm())) return;
   if (pairs.size() == kMaxPairs) pairs.erase(pairs.begin());
-  const double smoothness = dot(change, smoothed(laplacian, change));
-  pairs.push_back({std::move(step), std::move(change), curvature, smoothness});
+  pairs.push_back({std::move(step), std::move(change), to.smoothed - from.smoothed, curvature});
 }
 
-Points gradientAt(SolverBody& body) {
+Slope slopeAt(SolverBody& body, const SparseFactor& laplacian) {
   computeElasticForces(body);
-  return -body.points->force;
+  return {-body.points->force, smoothed(laplacian, -body.points->force)};
 }
 
 /// Halves the step until the energy falls enough; returns 0 if it never does.
@@ -229,27 +234,25 @@ double lineSearch(SolverBody& body, const Points& from, const Points& d, double 
 void descend(SolverBody& body, const SparseFactor& laplacian, double minForce, std::size_t iterations,
              const std::function<bool(const Points&)>& arrived) {
   std::vector<DescentPair> pairs;
-  Points gradient = gradientAt(body);
+  Slope slope = slopeAt(body, laplacian);
   double energy = elasticEnergy(body, body.points->position);
   for (std::size_t i = 0; i < iterations; ++i) {
-    if (gradient.cwiseAbs().maxCoeff() < minForce) return;
+    if (slope.gradient.cwiseAbs().maxCoeff() < minForce) return;
     if (i % kArrivalInterval == 0 && arrived(body.points->position)) return;
-    Points d = direction(pairs, laplacian, gradient);
-    double slope = dot(d, gradient);
-    if (slope >= 0.0) {
+    Points d = direction(pairs, slope);
+    if (dot(d, slope.gradient) >= 0.0) {
       pairs.clear();
-      d = -smoothed(laplacian, gradient);
-      slope = dot(d, gradient);
+      d = -slope.smoothed;
     }
     const Points from = body.points->position;
-    if (lineSearch(body, from, d, slope, energy) == 0.0) {
+    if (lineSearch(body, from, d, dot(d, slope.gradient), energy) == 0.0) {
       if (pairs.empty()) return;  // rounding prevents any further decrease
       pairs.clear();
       continue;
     }
-    const Points earlier = gradient;
-    gradient = gradientAt(body);
-    storePair(pairs, laplacian, body.points->position - from, gradient - earlier);
+    const Slope earlier = std::move(slope);
+    slope = slopeAt(body, laplacian);
+    storePair(pairs, body.points->position - from, earlier, slope);
   }
 }
 
@@ -263,9 +266,8 @@ constexpr double kMinTime = 10.0;         // s; earlier a slow body does not cou
 // between two checks of a calm run. Most checks of a calm run keep its step.
 constexpr int kCalmSubsteps = 8, kWildSubsteps = 4;
 constexpr int kCalmChecks = 8;
-constexpr std::size_t kRunsPerLane = 4;  // at a time; runs with the same step fill the registers
-constexpr int kMaxChecks = 20'000;       // then a run that is still wild continues with the descent
-constexpr double kWildBound = 1.5;       // times the square of the frequency bound at rest
+constexpr int kMaxChecks = 20'000;  // then a run that is still wild continues with the descent
+constexpr double kWildBound = 1.5;  // times the square of the frequency bound at rest
 constexpr double kWildDisplacement = 0.5;
 constexpr double kCalmFraction = 0.95, kWildFraction = 0.6;  // fractions of the stable step
 constexpr int kMaxStepHalvings = 12;                         // of the step at rest
@@ -291,6 +293,12 @@ struct Run {
   int substeps = kWildSubsteps;  ///< until the next check
 };
 
+/// Eight bodies of some hundred points exceed the second cache; four take less time.
+InstructionSet cachedSet() {
+  const InstructionSet best = bestInstructionSet();
+  return best == InstructionSet::Avx512 ? InstructionSet::Avx2 : best;
+}
+
 /// Data that all runs of a body share.
 struct Dynamics {
   RelaxedBody& body;
@@ -298,7 +306,7 @@ struct Dynamics {
   double restBound;    ///< rad^2/s^2, with the volume terms
   double step;         ///< s, at rest
   double restEnergy;   ///< J
-  InstructionSet set = bestInstructionSet();
+  InstructionSet set = cachedSet();
   SparseFactor laplacian;
   LaneScratch scratch;
   SpringBatchArrays springBatches;
@@ -344,8 +352,8 @@ bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
          squaredSpeed * displacement * displacement > kWildDisplacement * kWildDisplacement;
 }
 
-/// The frequency bound of the volume terms grows with the triangles. Steps are halved repeatedly, so that
-/// many runs have the same step.
+/// The frequency bound of the volume terms grows with the triangles. Steps are halved repeatedly, see
+/// scaleTime().
 void chooseStep(Dynamics& dynamics, Run& run) {
   if (run.substeps == kCalmSubsteps && run.checks % kCalmChecks != 0) return;
   const double bound = dynamics.boundSquared(run.state, dynamics.step);
@@ -356,16 +364,25 @@ void chooseStep(Dynamics& dynamics, Run& run) {
   while (run.halvings < kMaxStepHalvings && std::ldexp(dynamics.step, -run.halvings) > stable) ++run.halvings;
 }
 
-void stepAlone(Dynamics& dynamics, Run& run) {
-  SolverIsland island;
-  island.bodies.push_back(dynamics.stepped(run.state));
-  stepVerlet(island, timeOf(dynamics, run), run.substeps);
+/// Expresses velocities and inverse masses in units of 2^halvings s, in which the run's step is as long as
+/// the step at rest:  v -> v 2^-halvings,  w -> w 4^-halvings.  Powers of two change no digit, so that runs
+/// with different steps share the registers and keep their bits.
+void scaleTime(Run& run, int halvings) {
+  if (halvings == 0) return;
+  run.state.velocity *= std::ldexp(1.0, -halvings);
+  run.state.inverseMass *= std::ldexp(1.0, -2 * halvings);
 }
 
-/// Steps runs that all have the same step. Lanes are faster if at least three are filled.
+/// Steps runs with the same number of substeps. Lanes are faster if at least three are filled.
 void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
+  const int substeps = runs[0]->substeps;
+  const double time = substeps * dynamics.step;
   if (count < 3 || laneCount(dynamics.set) < 3) {
-    for (std::size_t i = 0; i < count; ++i) stepAlone(dynamics, *runs[i]);
+    for (std::size_t i = 0; i < count; ++i) {
+      SolverIsland island;
+      island.bodies.push_back(dynamics.stepped(runs[i]->state));
+      stepVerlet(island, time, substeps);
+    }
     return;
   }
   std::vector<SolverBody> bodies;
@@ -373,20 +390,20 @@ void stepTogether(Dynamics& dynamics, Run* const* runs, std::size_t count) {
   std::vector<SolverBody*> lanes;
   lanes.reserve(count);
   for (SolverBody& body : bodies) lanes.push_back(&body);
-  stepLanes(lanes.data(), count, dynamics.scratch, timeOf(dynamics, *runs[0]), runs[0]->substeps,
-            dynamics.set);
+  stepLanes(lanes.data(), count, dynamics.scratch, time, substeps, dynamics.set);
 }
 
 void stepAll(Dynamics& dynamics, std::list<Run>& runs) {
-  for (const int substeps : {kCalmSubsteps, kWildSubsteps})
-    for (int halvings = 0; halvings <= kMaxStepHalvings; ++halvings) {
-      std::vector<Run*> group;
-      for (Run& run : runs)
-        if (run.substeps == substeps && run.halvings == halvings) group.push_back(&run);
-      const auto lanes = static_cast<std::size_t>(laneCount(dynamics.set));
-      for (std::size_t i = 0; i < group.size(); i += lanes)
-        stepTogether(dynamics, &group[i], std::min(lanes, group.size() - i));
-    }
+  for (Run& run : runs) scaleTime(run, run.halvings);
+  for (const int substeps : {kCalmSubsteps, kWildSubsteps}) {
+    std::vector<Run*> group;
+    for (Run& run : runs)
+      if (run.substeps == substeps) group.push_back(&run);
+    const auto lanes = static_cast<std::size_t>(laneCount(dynamics.set));
+    for (std::size_t i = 0; i < group.size(); i += lanes)
+      stepTogether(dynamics, &group[i], std::min(lanes, group.size() - i));
+  }
+  for (Run& run : runs) scaleTime(run, -run.halvings);
 }
 
 /// Also returns true for runs with NaN.
@@ -405,10 +422,36 @@ void descendToMinimum(Dynamics& dynamics, Run& run) {
           [&](const Points& x) { return distanceToRest(dynamics.body, x) < maxDistance; });
 }
 
-/// Steps all runs to their next checks and finishes those at rest; returns false once `finish` has returned
-/// false.
-bool advance(Dynamics& dynamics, std::list<Run>& runs,
-             const std::function<bool(std::size_t, const Points&)>& finish) {
+// Each task keeps several times as many runs going as there are lanes: wild and calm ones fill them
+// separately.
+constexpr std::size_t kMaxRuns = 16, kMinRuns = 8;  // at a time, of a task
+constexpr std::size_t kRunsPerTask = 24, kMaxTasks = 8;
+
+/// Starts that the tasks of relax() share: each takes the next one when it has room.
+struct Starts {
+  std::atomic<std::size_t> next{0}, wanted;
+  const std::function<Points(std::size_t)>& at;
+  const std::function<std::size_t(std::size_t, const Points&)>& finish;
+
+  void limit(std::size_t count) {
+    std::size_t now = wanted;
+    while (count < now && !wanted.compare_exchange_weak(now, count)) {
+    }
+  }
+};
+
+void takeStarts(Starts& starts, std::list<Run>& runs, std::size_t maxRuns) {
+  while (runs.size() < maxRuns && starts.next < starts.wanted) {
+    Run run;
+    run.index = starts.next++;
+    if (run.index >= starts.wanted) return;
+    run.state = Dynamics::stateAt(starts.at(run.index));
+    runs.push_back(std::move(run));
+  }
+}
+
+/// Steps all runs to their next checks, and finishes those at rest.
+void advance(Dynamics& dynamics, std::list<Run>& runs, Starts& starts) {
   for (Run& run : runs) chooseStep(dynamics, run);
   stepAll(dynamics, runs);
   for (auto run = runs.begin(); run != runs.end();) {
@@ -420,56 +463,37 @@ bool advance(Dynamics& dynamics, std::list<Run>& runs,
       ++run;
       continue;
     }
-    descendToMinimum(dynamics, *run);
-    if (!finish(run->index, run->state.position)) return false;
+    if (run->index < starts.wanted) {
+      descendToMinimum(dynamics, *run);
+      starts.limit(starts.finish(run->index, run->state.position));
+    }
     run = runs.erase(run);
   }
-  return true;
+  runs.remove_if([&](const Run& run) { return run.index >= starts.wanted; });
+}
+
+void relaxStarts(RelaxedBody& body, Starts& starts, std::size_t maxRuns) {
+  Dynamics dynamics(body);
+  std::list<Run> runs;
+  do {
+    takeStarts(starts, runs, maxRuns);
+    advance(dynamics, runs, starts);
+  } while (!runs.empty() || starts.next < starts.wanted);
 }
 
 }  // namespace
 
 bool canRelax(RelaxedBody& body) { return kMaxChecks * kCalmSubsteps * Dynamics(body).step >= kMinTime; }
 
-namespace {
-
-/// A round of bracing becomes two tasks. Fewer runs would leave lanes empty.
-constexpr std::size_t kRunsPerTask = 12;
-
-using Start = std::function<Points(std::size_t)>;
-using Finish = std::function<bool(std::size_t, const Points&)>;
-
-/// Relaxes the runs from `first` to before `end`.
-void relaxRange(RelaxedBody& body, std::size_t first, std::size_t end, const Start& start,
-                const Finish& finish) {
-  Dynamics dynamics(body);
-  const auto maxRuns = kRunsPerLane * static_cast<std::size_t>(laneCount(dynamics.set));
-  std::list<Run> runs;
-  for (std::size_t next = first; next < end || !runs.empty();) {
-    while (next < end && runs.size() < maxRuns) {
-      Run run;
-      run.index = next;
-      run.state = Dynamics::stateAt(start(next++));
-      runs.push_back(std::move(run));
-    }
-    if (!advance(dynamics, runs, finish)) return;
-  }
-}
-
-}  // namespace
-
-void relax(RelaxedBody& body, std::size_t count, const Start& start, const Finish& finish,
+void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
+           const std::function<std::size_t(std::size_t, const Points&)>& finish,
            const ParallelFor& parallel) {
-  const std::size_t tasks = (count + kRunsPerTask - 1) / kRunsPerTask;
-  if (!parallel || tasks < 2) return relaxRange(body, 0, count, start, finish);
-  std::atomic<bool> going{true};
-  parallel(tasks, [&](std::size_t task) {
+  Starts starts{{0}, {count}, start, finish};
+  if (!parallel || count < 2 * kMinRuns) return relaxStarts(body, starts, kMaxRuns);
+  const std::size_t tasks = std::clamp<std::size_t>(count / kRunsPerTask, 2, kMaxTasks);
+  parallel(tasks, [&](std::size_t) {
     RelaxedBody own = body;
-    relaxRange(own, task * count / tasks, (task + 1) * count / tasks, start,
-               [&](std::size_t run, const Points& x) {
-                 if (!finish(run, x)) going = false;
-                 return going.load();
-               });
+    relaxStarts(own, starts, std::min(kMaxRuns, (count + tasks - 1) / tasks));
   });
 }
 

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace limber {
@@ -54,15 +55,19 @@ constexpr double kReturned = 1e-3;
 /// each piece, without reflection (Kabsch 1976).
 double distanceToRest(const RelaxedBody& body, const Points& x);
 
+/// For relax(): all starts are wanted.
+constexpr std::size_t kAllStarts = std::numeric_limits<std::size_t>::max();
+
 /// Relaxes `count` starts. `start(i)` returns the positions from which run i is released without velocity.
-/// `finish(i, x)` is called with the positions at which it came to rest, in any order, and returns false to
-/// end early.
+/// `finish(i, x)` is called with the positions at which it came to rest, in any order. It returns how many of
+/// the starts are still wanted, 0 to kAllStarts: runs from that number on are dropped.
 ///
 /// Each run is lightly damped dynamics (drag of 0.05 per unit mass and second at unit spring constants) until
 /// nearly all kinetic energy is gone, then a descent to the minimum of the energy. The result of run i
 /// depends on its start alone. With `parallel`, `start` and `finish` are called on several threads at a time.
 void relax(RelaxedBody& body, std::size_t count, const std::function<Points(std::size_t)>& start,
-           const std::function<bool(std::size_t, const Points&)>& finish, const ParallelFor& parallel = {});
+           const std::function<std::size_t(std::size_t, const Points&)>& finish,
+           const ParallelFor& parallel = {});
 
 /// Returns whether relax() can reach results in acceptable time with the steps that the body's fastest
 /// oscillation allows. If not, relax() ends, but its results are meaningless.

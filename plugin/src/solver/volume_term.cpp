@@ -149,7 +149,8 @@ double sumEdges(VolumeArrays& v, std::size_t c, const PointState& state, double 
   for (std::size_t i = v->firstTriangle[c]; i < v->firstTriangle[c + 1]; ++i) {
     const EdgeSquares edge = longestEdge(v->triangles[i], state, tick, slack);
     if (edge.now > 0.0) growth = std::max(growth, edge.later / edge.now);
-    for (const std::uint32_t corner : v->triangles[i]) v.rowSums[corner] += std::sqrt(edge.later) / 3.0;
+    const double third = std::sqrt(edge.later) / 3.0;
+    for (const std::uint32_t corner : v->triangles[i]) v.rowSums[corner] += third;
   }
   return growth;
 }
@@ -186,10 +187,10 @@ double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, d
                       gasDrop(*v.constants, volume / rest, growth);
   const double change = sums[0] / (6.0 * v->restVolume[c]) - 1.0;
   v.farFromRest = v.farFromRest || std::abs(change) > kFarFromRest || growth > kFarFromRest;
-  double across = 0.0;
-  for (std::size_t i = v->firstTriangle[c]; i < v->firstTriangle[c + 1]; ++i)
-    for (const std::uint32_t corner : v->triangles[i])
-      across = std::max(across, state.inverseMass.col(corner).maxCoeff() * v.rowSums[corner]);
+  double across = 0.0;  // rowSums of points of no component are 0
+  for (std::size_t i = 0; i < v.rowSums.size(); ++i)
+    if (v->componentOf[i] == c)
+      across = std::max(across, state.inverseMass.col(Eigen::Index(i)).maxCoeff() * v.rowSums[i]);
   return now.stiffness * gradientSum(v, sums, state, slack) + push * across;
 }
 
