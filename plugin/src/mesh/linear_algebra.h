@@ -83,11 +83,16 @@ template <class Rows>
 void solveOrdered(const SparseFactor& factor, Rows&& x) {
   using Entry = Eigen::SparseMatrix<double>::InnerIterator;
   const Eigen::Index count = factor.lower.cols();
-  for (Eigen::Index j = 0; j < count; ++j)
-    for (Entry entry(factor.lower, j); entry; ++entry) x.row(entry.row()) -= entry.value() * x.row(j);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const auto solved = x.row(j).eval();
+    for (Entry entry(factor.lower, j); entry; ++entry) x.row(entry.row()) -= entry.value() * solved;
+  }
   for (Eigen::Index j = 0; j < count; ++j) x.row(j) /= factor.diagonal[j];
-  for (Eigen::Index j = count; j-- > 0;)
-    for (Entry entry(factor.lower, j); entry; ++entry) x.row(j) -= entry.value() * x.row(entry.row());
+  for (Eigen::Index j = count; j-- > 0;) {
+    auto sum = x.row(j).eval();
+    for (Entry entry(factor.lower, j); entry; ++entry) sum -= entry.value() * x.row(entry.row());
+    x.row(j) = sum;
+  }
 }
 
 // Sparse symmetric matrices from blocks of 3 x 3:

@@ -206,7 +206,7 @@ void addAntipodalBraces(BracedPiece& piece) {
 constexpr int kMaxBraceRounds = 40;
 constexpr std::size_t kMinModes = 30, kMaxModes = 150;  // computed at once
 /// Larger bodies use this many rough modes: fewer rounds, and each takes less time.
-constexpr std::size_t kLargeBody = 1000, kRoughModes = 300;
+constexpr std::size_t kLargeBody = 1000, kRoughModes = 150;
 constexpr std::size_t kMaxSoftCandidates = 100000;
 
 /// Modes are braced beyond the goal by these factors, because the estimate of their new stiffness ignores
