@@ -159,7 +159,8 @@ struct IslandConstraints {
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
       scaledMasses;         ///< 1/kg, inverse masses of points in contacts with a massFactor
-  double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps
+  double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps; see
+                            ///< also kExactSweeps (contact_solver.cpp)
 };
 
 /// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
