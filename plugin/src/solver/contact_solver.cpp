@@ -435,8 +435,10 @@ struct Solve {
   template <class Row>
   void stepAlongDirection(Row& row, double beta) const {
     row.direction *= beta;
-    apply(row, row.direction);
-    impulse(row) += row.direction;
+    if (beta > 0.0) {
+      apply(row, row.direction);
+      impulse(row) += row.direction;
+    }
     row.direction += row.change;
   }
 
