@@ -186,6 +186,7 @@ void measureLarge(double cell, std::uint32_t points, Results& results) {
 constexpr const char* kModels[] = {"animal", "figure", "teapot", "head", "ogre", "bunny", "car", "puppet"};
 constexpr std::uint32_t kDropped = 4;
 constexpr int kDropTicks = 8 * 60;
+constexpr int kTimedTicks = 2 * 60;  // they fall and bounce; no body sleeps yet
 
 std::string fileOf(const std::string& name) { return LIMBER_MESH_DIR "/" + name + ".obj"; }
 
@@ -199,13 +200,43 @@ std::string formOf(const CookedMesh& cooked) {
   return form;
 }
 
-/// Drops four bodies and adds their shape at the end.
-void drop(const std::string& file, const Subject& subject, Results& results) {
+using ScenePointer = std::unique_ptr<scenes::Scene>;
+
+ScenePointer dropOf(const std::string& file, const CookSettings& cook) {
   scenes::SceneOptions options;
   options.meshFile = file;
   options.count = kDropped;
-  const std::unique_ptr<scenes::Scene> scene = valueOf(scenes::createMeshDrop(options));
-  for (int i = 0; i < kDropTicks; ++i) scenes::tick(*scene);
+  options.cook = cook;
+  return valueOf(scenes::createMeshDrop(options));
+}
+
+double tickMs(scenes::Scene& scene) {
+  const Stopwatch watch;
+  scenes::tick(scene);
+  return watch.time().cpuMs;
+}
+
+/// Drops four bodies and adds their shape at the end, and the time of their ticks. Solids are compared with
+/// braced ones of about as many points: the same drop, tick by tick in turn.
+void drop(const std::string& file, const SpringNetwork& largest, const Subject& subject, Results& results) {
+  const ScenePointer scene = dropOf(file, {});
+  ScenePointer braced;
+  if (!largest.tetrahedra.empty()) {
+    CookSettings cook;
+    cook.mode = CookMode::Braces;
+    cook.points = static_cast<std::uint32_t>(largest.restPoints.size());
+    braced = dropOf(file, cook);
+  }
+  std::vector<double> ticks, bracedTicks;
+  for (int i = 0; i < kDropTicks; ++i) {
+    ticks.push_back(tickMs(*scene));
+    if (braced && i < kTimedTicks) bracedTicks.push_back(tickMs(*braced));
+  }
+  ticks.resize(kTimedTicks);
+  if (braced) {
+    results.add(subject, "tick over braces", "", sum(ticks) / sum(bracedTicks));
+    results.add(subject, "points of those", "", double(braced->soft->body(0)->network().restPoints.size()));
+  }
   double error = 0.0;
   for (std::size_t b = 0; b < scene->soft->bodyCount(); ++b) {
     const SoftBody& body = *scene->soft->body(b);
@@ -246,7 +277,7 @@ void measureModel(const std::string& name, std::uint32_t runs, Results& results)
   results.add(subject, "memory so far", "MB", peakMegabytes());
   const SpringNetwork& largest = *cooked->bodies.front().network;
   if (largest.kind == NetworkKind::Solid) addReturns(subject, returnsOf(largest, runs), results);
-  drop(fileOf(name), subject, results);
+  drop(fileOf(name), largest, subject, results);
 }
 
 // --- the bench ---
