@@ -251,6 +251,23 @@ TEST(Relaxation, isTheSameOnAnyNumberOfThreads) {
   for (const std::size_t threads : {1u, 2u, 3u}) EXPECT_EQ(relaxed(onThreads(threads)), alone);
 }
 
+/// The first run to come to rest asks for 40 of 200 starts.
+TEST(Relaxation, dropsStartsThatAreNoLongerWanted) {
+  RelaxedBody body(*network_shapes::bare(network_shapes::ico42()));
+  for (const std::size_t threads : {1u, 3u}) {
+    std::vector<int> finished(200, 0);
+    relax(
+        body, finished.size(), [&](std::size_t i) { return deform(body.rest, kKinds[i % 3], 5, i); },
+        [&](std::size_t i, const Points&) -> std::size_t {
+          ++finished[i];
+          return 40;
+        },
+        onThreads(threads));
+    for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(finished[i], 1) << i;
+    EXPECT_EQ(std::count(finished.begin() + 100, finished.end(), 1), 0) << "none of them had begun";
+  }
+}
+
 /// Also after a run with so few substeps that the volume terms were limited.
 TEST(Relaxation, descendsTheWholeEnergy) {
   RelaxedBody body(*coarseMaterialCube());
