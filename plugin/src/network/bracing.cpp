@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <thread>
@@ -329,6 +330,10 @@ bool isWrong(const RelaxedBody& body, const Points& x) {
   return x.allFinite() && distanceToRest(body, x) >= kReturned && distanceToRest(body, -x) >= kReturned;
 }
 
+double share(std::size_t part, std::size_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
 /// The wrong shapes of the first round that ended in any, and the number of rounds before it.
 struct WrongShapes {
   std::size_t cleanRounds = 0;
@@ -345,18 +350,23 @@ WrongShapes firstOf(const Examples& ends, std::size_t roundSize) {
   return wrong;
 }
 
+/// Is called on the calling thread with the number of runs at rest, over the size of a round. Returns false
+/// to end early.
+using RoundsGoOn = std::function<bool(double)>;
+
 /// Relaxes starts of these kinds, in rounds of `roundSize`, up to the first round with wrong shapes. Runs of
-/// later rounds fill the registers while a round's last runs come to rest. Calls `goOn` on the calling
-/// thread.
+/// later rounds fill the registers while a round's last runs come to rest.
 WrongShapes findWrongShapes(RelaxedBody& body, const std::vector<Deformation>& kinds, std::size_t roundSize,
                             const std::function<Points(std::size_t)>& start, Trials& trials,
-                            const std::function<bool()>& goOn) {
+                            const RoundsGoOn& goOn) {
   Examples ends(kinds.size());
+  std::atomic<std::size_t> finished{0};
   const std::thread::id caller = std::this_thread::get_id();
   relax(
       body, kinds.size(), start,
       [&](std::size_t i, const Points& x) -> std::size_t {
-        if (std::this_thread::get_id() == caller && !goOn()) return 0;
+        const double rounds = share(++finished, roundSize);
+        if (std::this_thread::get_id() == caller && !goOn(rounds)) return 0;
         if (!isWrong(body, x)) return kAllStarts;
         ends[i] = {kinds[i], x};
         return (i / roundSize + 1) * roundSize;
@@ -370,7 +380,7 @@ WrongShapes findWrongShapes(RelaxedBody& body, const std::vector<Deformation>& k
 
 /// Releases the body in up to `rounds` rounds, which are numbered from `first`.
 WrongShapes releaseInRounds(RelaxedBody& body, std::size_t first, std::size_t rounds, Trials& trials,
-                            const std::function<bool()>& goOn) {
+                            const RoundsGoOn& goOn) {
   rounds = std::min(rounds, (trials.runsLeft + kRuns - 1) / kRuns);
   std::vector<Deformation> kinds;
   for (std::size_t round = first; round < first + rounds; ++round) {
@@ -427,13 +437,10 @@ void braceExamples(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trial
     std::vector<Deformation> kinds;
     for (const Example& e : wrong) kinds.push_back(e.kind);
     wrong = findWrongShapes(
-                braced, kinds, kinds.size(), [&](std::size_t i) { return wrong[i].x; }, trials, goOn)
+                braced, kinds, kinds.size(), [&](std::size_t i) { return wrong[i].x; }, trials,
+                [&](double) { return goOn(); })
                 .shapes;
   }
-}
-
-double share(std::size_t part, std::size_t whole) {
-  return static_cast<double>(part) / static_cast<double>(whole);
 }
 
 /// Counterexample-guided insertion: releases the piece from large random deformations and braces the wrong
@@ -449,10 +456,14 @@ void addCounterexampleBraces(BracedPiece& piece, const BracingSettings& settings
        round < kMaxRounds && clean < kCleanRounds && !piece.full() && trials.runsLeft > 0;) {
     done = std::max({done, share(clean, kCleanRounds), share(round, kMaxRounds)});
     bool going = true;
-    const std::function<bool()> keepGoing = [&] { return going = going && goOn(done); };
+    const auto keepGoing = [&] { return going = going && goOn(done); };
+    const auto advance = [&](double rounds) {
+      done = std::max(done, std::min(1.0, share(clean, kCleanRounds) + rounds / kCleanRounds));
+      return keepGoing();
+    };
     RelaxedBody body(piece.network);
     const std::size_t rounds = clean == 0 ? 1 : std::min(kCleanRounds - clean, kMaxRounds - round);
-    WrongShapes wrong = releaseInRounds(body, round, rounds, trials, keepGoing);
+    WrongShapes wrong = releaseInRounds(body, round, rounds, trials, advance);
     if (!going) return;
     round += wrong.cleanRounds, clean += wrong.cleanRounds;
     if (wrong.shapes.empty()) continue;
