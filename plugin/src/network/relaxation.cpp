@@ -422,8 +422,7 @@ void descendToMinimum(Dynamics& dynamics, Run& run) {
           [&](const Points& x) { return distanceToRest(dynamics.body, x) < maxDistance; });
 }
 
-// Each task keeps several times as many runs going as there are lanes: wild and calm ones fill them
-// separately.
+// Wild and calm runs fill the lanes separately, so there are several times as many runs as lanes.
 constexpr std::size_t kMaxRuns = 16, kMinRuns = 8;  // at a time, of a task
 constexpr std::size_t kRunsPerTask = 24, kMaxTasks = 8;
 

@@ -176,9 +176,10 @@ double gasDrop(const VolumeConstants& constants, double v, double growth) {
   return std::min(constants.ambient, now * growth / (1.0 + growth));
 }
 
-/// Returns the bound for one component, see volumeFrequencyBoundSquared(). Call sumUp() before.
-double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
-  const double* sums = &v.sums[4 * c];
+/// Replaces the sums of a component by the two parts of its bound, see volumeFrequencyBoundSquared(): that of
+/// all its points, and that of each per inverse mass and rowSum. Call sumUp() before.
+void boundComponent(VolumeArrays& v, std::size_t c, const PointState& state, double tick, double slack) {
+  double* sums = &v.sums[4 * c];
   const double volume = sums[0] / 6.0, rest = v->restVolume[c];
   const kernel::Push<double> now = kernel::pushOf(volume, rest, v->modulus, v->gasPressure, v->ambient);
   const double edges = sumEdges(v, c, state, tick, slack);
@@ -187,11 +188,8 @@ double componentBound(VolumeArrays& v, std::size_t c, const PointState& state, d
                       gasDrop(*v.constants, volume / rest, growth);
   const double change = sums[0] / (6.0 * v->restVolume[c]) - 1.0;
   v.farFromRest = v.farFromRest || std::abs(change) > kFarFromRest || growth > kFarFromRest;
-  double across = 0.0;  // rowSums of points of no component are 0
-  for (std::size_t i = 0; i < v.rowSums.size(); ++i)
-    if (v->componentOf[i] == c)
-      across = std::max(across, state.inverseMass.col(Eigen::Index(i)).maxCoeff() * v.rowSums[i]);
-  return now.stiffness * gradientSum(v, sums, state, slack) + push * across;
+  sums[0] = now.stiffness * gradientSum(v, sums, state, slack);
+  sums[1] = push;
 }
 
 }  // namespace
@@ -305,9 +303,13 @@ double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, dou
   kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
   std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
   v.farFromRest = false;
-  double largest = 0.0;
-  for (std::size_t c = 0; c < v->restVolume.size(); ++c)
-    largest = std::max(largest, componentBound(v, c, state, tick, slack));
+  for (std::size_t c = 0; c < v->restVolume.size(); ++c) boundComponent(v, c, state, tick, slack);
+  double largest = 0.0;  // rowSums of points of no component are 0
+  for (std::size_t i = 0; i < v.rowSums.size(); ++i) {
+    const double* sums = &v.sums[4 * v->componentOf[i]];
+    const double mass = state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff();
+    largest = std::max(largest, sums[0] + sums[1] * (mass * v.rowSums[i]));
+  }
   return largest;
 }
 
