@@ -149,6 +149,34 @@ TEST(SurfaceContacts, aSheetMeetsARidgeWithAllItsFolds) {
   }
 }
 
+/// A ridge on the diagonal of a face, which it presses flat: the contact of the two edges lasts as long as it
+/// bears, also on a slightly concave face. Other edges in flat faces have no contacts.
+TEST(SurfaceContacts, anEdgePressedFlatStaysInContact) {
+  const auto contactsAt = [](double height, const std::vector<std::uint64_t>& bearing) {
+    MovingShape ridge = test::boxShape({0.2, 0.2, 0.6}, 0.0), lower = cube();
+    ridge.move(Translation3d(0.03, 0.52 + 0.2 * std::sqrt(0.5), 0) *
+               Affine3d(AngleAxisd(M_PI / 4, Vector3d::UnitZ())));
+    for (const Eigen::Index end : {2, 7}) lower.position(1, end) += height;  // of the diagonal
+    auto found = test::contactsOf(ridge, lower, kMargin, bearing);
+    expectValid(found, ridge, lower);
+    const auto isOther = [](const SurfaceContact& c) { return c.a.kind != FeatureKind::OnEdge; };
+    found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
+    return found;
+  };
+  const auto raised = contactsAt(0.01, {});
+  ASSERT_EQ(raised.size(), 1u);
+  const std::vector<std::uint64_t> bearing = {raised[0].key};
+  for (const double height : {0.001, 0.0, -0.001}) {
+    EXPECT_TRUE(contactsAt(height, {}).empty()) << height;
+    const auto flat = contactsAt(height, bearing);
+    ASSERT_EQ(flat.size(), 1u) << height;
+    EXPECT_EQ(flat[0].key, bearing[0]);
+    EXPECT_NEAR(flat[0].gap, -height, kRounding);
+    EXPECT_GT(flat[0].normal.y(), 0.999);
+  }
+  EXPECT_TRUE(contactsAt(-0.02, bearing).empty()) << "the face is concave";
+}
+
 /// A ball above the edge between two faces, above a corner, and above faces.
 TEST(SurfaceContacts, ballTouchesWhatIsNearest) {
   const double r = 0.05, radiusSum = r + kRadius;

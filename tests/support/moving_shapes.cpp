@@ -113,8 +113,10 @@ MovingShape ballShape(int splits, double radius) {
   return makeShape(columns(welded->points), features, radius);
 }
 
-std::vector<SurfaceContact> contactsOf(MovingShape& a, MovingShape& b, double margin) {
+std::vector<SurfaceContact> contactsOf(MovingShape& a, MovingShape& b, double margin,
+                                       const std::vector<std::uint64_t>& bearing) {
   ContactSearch search;
+  search.bearing = bearing;
   std::vector<SurfaceContact> found;
   findSurfaceContacts(a.surface(), b.surface(), margin, search, found);
   return found;

@@ -45,7 +45,9 @@ MovingShape hullShape(int points, double radius, std::mt19937& random);
 /// Returns the welded icosphere of small_meshes.
 MovingShape ballShape(int splits, double radius);
 
-std::vector<SurfaceContact> contactsOf(MovingShape& a, MovingShape& b, double margin);
+/// `bearing`: see ContactSearch.
+std::vector<SurfaceContact> contactsOf(MovingShape& a, MovingShape& b, double margin,
+                                       const std::vector<std::uint64_t>& bearing = {});
 
 Eigen::Vector3d placeAt(const MovingShape& shape, const SurfacePoint& point, double time);
 

@@ -253,11 +253,13 @@ void appendPlaneContacts(Island& island) {
   markCoupledPoints(island);
   for (std::uint32_t bodyIndex = 0; bodyIndex < island.softBodies.size(); ++bodyIndex) {
     SoftBodyData& body = *island.softBodies[bodyIndex];
-    for (PlaneContact& row : body.contacts) {
+    for (std::size_t i = 0; i < body.contacts.size(); ++i) {
+      PlaneContact& row = body.contacts[i];
       row.coupled = body.coupled[row.point] != 0;
       if (!row.coupled) continue;
       island.rows.push_back(&row);
       island.step.pairs.contacts.push_back(contactOf(row, body, bodyIndex));
+      warmStart(body, i, island.step.pairs.contacts.back());
     }
   }
 }

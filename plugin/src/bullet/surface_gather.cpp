@@ -134,13 +134,18 @@ Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
   return pair;
 }
 
+/// Makes the keys of contacts with different parts of an object different, and back.
+std::uint64_t keyInPart(const SurfaceCandidate& m, std::uint64_t key) {
+  return m.part ? key ^ (m.part->number * 0x9e3779b97f4a7c15u) : key;
+}
+
 /// The key is the same for the same contact of the same part in every tick.
 ContactSource sourceOf(const SurfaceCandidate& m, const SurfaceContact& c) {
   ContactSource source;
   source.body = m.body;
   source.other = m.other;
   source.partner = handleOf(objectInWorld(partnerOf(m)));
-  source.key = m.part ? c.key ^ (m.part->number * 0x9e3779b97f4a7c15u) : c.key;
+  source.key = keyInPart(m, c.key);
   return source;
 }
 
@@ -184,10 +189,24 @@ bool areSearchedWithinTick(const SurfaceCandidate& m) {
   return isSearchedWithinTick(*m.body) && (!m.other || isSearchedWithinTick(*m.other));
 }
 
+/// Lists the contacts that had an impulse in the last tick (those of other parts too, with keys that no
+/// feature has).
+void listBearing(const SurfaceCandidate& m, std::vector<std::uint64_t>& keys) {
+  keys.clear();
+  const int partner = handleOf(objectInWorld(partnerOf(m))).id;
+  const std::vector<StoredImpulse>& stored = m.body->storedImpulses;
+  auto it = std::lower_bound(stored.begin(), stored.end(), partner,
+                             [](const StoredImpulse& k, int id) { return k.partner < id; });
+  for (; it != stored.end() && it->partner == partner; ++it)
+    if (it->impulse.along > 0.0) keys.push_back(keyInPart(m, it->key));
+  std::sort(keys.begin(), keys.end());
+}
+
 /// Fills s.contacts with the contacts of the present surfaces.
 void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   s.contacts.clear();
+  listBearing(m, s.search.bearing);
   if (isSelf(m))
     findSelfContacts(a, margin(m), s.search, s.contacts);
   else if (areNear(a, b, margin(m)))

@@ -193,32 +193,59 @@ bool isBefore(const StoredImpulse& k, const StoredImpulse& l) {
   return std::pair(k.partner, k.key) < std::pair(l.partner, l.key);
 }
 
+/// Returns the impulse of the contact in the last tick, or nullptr.
+const ContactImpulse* lastImpulse(const SoftBodyData& body, const ObjectHandle& partner, std::uint64_t key) {
+  const std::vector<StoredImpulse>& stored = body.storedImpulses;
+  const StoredImpulse wanted{partner.id, partner.object, key, {}};
+  const auto it = std::lower_bound(stored.begin(), stored.end(), wanted, isBefore);
+  const bool found = it != stored.end() && !isBefore(wanted, *it) && it->object == wanted.object;
+  return found ? &it->impulse : nullptr;
+}
+
+/// The impulse is relative to the normal at the start of the tick, as the next tick's search finds it: its
+/// direction may have changed since.
+void store(SoftBodyData& body, const ObjectHandle& partner, std::uint64_t key, const ContactBase& c) {
+  const double along = c.normal.dot(c.impulse.sum);
+  body.storedImpulses.push_back({partner.id, partner.object, key, {along, c.impulse.sum - along * c.normal}});
+}
+
+/// Returns the key of a row of the body's contacts: the point, and how many rows before it have the same
+/// point and partner. No key of two features is as large.
+std::uint64_t planeKey(const SoftBodyData& body, std::size_t index) {
+  const std::uint32_t point = body.contacts[index].point;
+  std::uint64_t before = 0;
+  for (std::size_t i = index; i-- > 0 && body.contacts[i].point == point;)
+    before += body.contactPartners[i] == body.contactPartners[index];
+  return std::uint64_t{0xf} << 60 | before << 32 | point;
+}
+
 }  // namespace
 
 void warmStart(TickContacts& contacts) {
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
     const ContactSource& source = contacts.sources[i];
     if (!source.body) continue;
-    const std::vector<StoredImpulse>& stored = source.body->storedImpulses;
-    const StoredImpulse wanted{source.partner.id, source.partner.object, source.key, {}};
-    const auto it = std::lower_bound(stored.begin(), stored.end(), wanted, isBefore);
-    if (it != stored.end() && !isBefore(wanted, *it) && it->object == wanted.object)
-      contacts.contacts[i].positionImpulse = it->impulse;
+    if (const ContactImpulse* impulse = lastImpulse(*source.body, source.partner, source.key))
+      contacts.contacts[i].positionImpulse = *impulse;
   }
 }
 
+void warmStart(const SoftBodyData& body, std::size_t index, Contact& contact) {
+  const ObjectHandle partner = handleOf(*body.contactPartners[index]);
+  if (const ContactImpulse* impulse = lastImpulse(body, partner, planeKey(body, index)))
+    contact.positionImpulse = *impulse;
+}
+
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
-  for (SoftBodyData* body : bodies) body->storedImpulses.clear();
-  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
-    const ContactSource& source = contacts.sources[i];
-    if (!source.body) continue;
-    const Contact& c = contacts.contacts[i];
-    // relative to the normal at the start of the tick, as the next tick's search finds it: the direction of
-    // the impulse may have changed
-    const double along = c.normal.dot(c.impulse.sum);
-    source.body->storedImpulses.push_back(
-        {source.partner.id, source.partner.object, source.key, {along, c.impulse.sum - along * c.normal}});
+  for (SoftBodyData* body : bodies) {
+    body->storedImpulses.clear();
+    for (std::size_t i = 0; i < body->contacts.size(); ++i)
+      if (body->contacts[i].coupled && body->contacts[i].impulse.along > 0.0)
+        store(*body, handleOf(*body->contactPartners[i]), planeKey(*body, i), body->contacts[i]);
   }
+  for (std::size_t i = 0; i < contacts.contacts.size(); ++i)
+    if (const ContactSource& source = contacts.sources[i]; source.body)
+      store(*source.body, source.partner, source.key, contacts.contacts[i]);
   for (SoftBodyData* body : bodies) sortImpulses(body->storedImpulses);
 }
 

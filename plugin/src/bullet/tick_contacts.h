@@ -120,7 +120,11 @@ ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& 
 /// Starts the contacts of soft bodies from the impulses of the same features in the last tick.
 void warmStart(TickContacts& contacts);
 
-/// Stores the impulses of these contacts, after the step. `bodies`: all bodies of the world's systems.
+/// The same for a contact with a static or kinematic object: row `index` of the body's contacts.
+void warmStart(const SoftBodyData& body, std::size_t index, Contact& contact);
+
+/// Stores the impulses of these contacts, and those of coupled points, after the step. `bodies`: all bodies
+/// of the world's systems.
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts);
 
 /// Brings impulses into the order in which warmStart() searches them.

@@ -73,6 +73,10 @@ std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) 
   return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
 }
 
+std::uint64_t keyOf(ContactRank rank, std::uint32_t onA, std::uint32_t onB) {
+  return std::uint64_t{rank} << 60 | std::uint64_t{onA} << 30 | onB;
+}
+
 /// Adds a candidate; computes its gap, key and point. `flipped`: its side a is on surface b. A contact of a
 /// surface with itself is left out if the features share a vertex or are close at rest.
 void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, SurfaceContact c,
@@ -80,7 +84,7 @@ void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, Surfa
   if (flipped) std::swap(c.a, c.b), c.normal = -c.normal;
   if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
   c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
-  c.key = std::uint64_t{rank} << 60 | std::uint64_t{c.a.feature} << 30 | c.b.feature;
+  c.key = keyOf(rank, c.a.feature, c.b.feature);
   const Vector3d point = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
   search.candidates.push_back({c, point, featureSize, vertex, rank});
 }
@@ -156,18 +160,25 @@ Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_t trian
   return normalOf<3>(featureOf<3>(surface, surface.topology->triangles[triangle]).at(time));
 }
 
+/// The tolerances of an edge's normal cone.
+struct ConeTolerance {
+  double sine;           ///< of an angle outside the cone
+  bool flatToo = false;  ///< flat edges have a cone, also slightly concave ones
+};
+
 /// Whether the edge is convex and `outward` is between the normals of its triangles (its Gauss arc). The arc
 /// of a boundary edge is half a circle, that of a segment a full one (`outward` is perpendicular to it).
 bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edge, const Vector3d& outward,
-                    double tolerance) {
+                    const ConeTolerance& tolerance) {
   const auto [first, second] = surface.topology->edgeTriangles[edge];
   if (first == kNoFeature) return true;
   const Vector3d in0 = inwardFrom(surface, time, edge, first);
-  if (second == kNoFeature) return outward.dot(in0) <= tolerance;
+  if (second == kNoFeature) return outward.dot(in0) <= tolerance.sine;
   const Vector3d in1 = inwardFrom(surface, time, edge, second);
   const double fold = (in0 + in1).norm();
-  if (fold < kFlatFold || outward.dot(in0 + in1) >= 0.0) return false;
-  const double maxSine = std::min(tolerance, 0.25 * fold);
+  const bool isFlat = fold < kFlatFold;
+  if (isFlat ? !tolerance.flatToo : outward.dot(in0 + in1) >= 0.0) return false;
+  const double maxSine = isFlat ? tolerance.sine : std::min(tolerance.sine, 0.25 * fold);
   if (outward.dot(in0) > maxSine || outward.dot(in1) > maxSine) return false;
   if (!surface.topology->oneSided[first] || !surface.topology->oneSided[second]) return true;
   return outward.dot(normalAt(surface, time, first) + normalAt(surface, time, second)) > 0.0;
@@ -422,6 +433,12 @@ bool isSheetEdge(const SurfaceTopology& t, std::uint32_t edge) {
   return !hasInside(first) && !hasInside(second);
 }
 
+ConeTolerance crossingTolerance(std::uint32_t ea, std::uint32_t eb, const ContactSearch& search) {
+  const std::vector<std::uint64_t>& bearing = search.bearing;
+  const bool bears = std::binary_search(bearing.begin(), bearing.end(), keyOf(kEdgeEdge, ea, eb));
+  return {kCrossingTolerance, bears};
+}
+
 /// Whether the crossing edges can touch from outside: both are convex, or one is convex and the other is any
 /// edge of a sheet. `normal` is the direction from b to a.
 ///
@@ -430,21 +447,22 @@ bool isSheetEdge(const SurfaceTopology& t, std::uint32_t edge) {
 /// would fall and be pushed back in turn. Flat edges count too where a triangle beside the convex edge
 /// supports the sheet: otherwise it would not come to rest there.
 bool areInFront(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
-                const Vector3d& normal) {
-  const bool isConvexA = isInNormalCone(pair.a, time, ea, -normal, kCrossingTolerance);
-  const bool isConvexB = isInNormalCone(pair.b, time, eb, normal, kCrossingTolerance);
+                const Vector3d& normal, const ConeTolerance& tolerance) {
+  const bool isConvexA = isInNormalCone(pair.a, time, ea, -normal, tolerance);
+  const bool isConvexB = isInNormalCone(pair.b, time, eb, normal, tolerance);
   return isConvexA ? isConvexB || isSheetEdge(*pair.b.topology, eb)
                    : isConvexB && isSheetEdge(*pair.a.topology, ea);
 }
 
 /// Whether the crossing edges have passed through each other.
 bool havePassedThrough(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
-                       const NearestPoints<2, 2>& nearest, const Vector3d& normal) {
+                       const NearestPoints<2, 2>& nearest, const Vector3d& normal,
+                       const ConeTolerance& tolerance) {
   if (pair.self || nearest.time > 0.0) return false;
   if (nearest.distance > std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb)))
     return false;
-  if (!isInNormalCone(pair.a, 0.0, ea, normal, kCrossingTolerance)) return false;
-  if (!isInNormalCone(pair.b, 0.0, eb, -normal, kCrossingTolerance)) return false;
+  if (!isInNormalCone(pair.a, 0.0, ea, normal, tolerance)) return false;
+  if (!isInNormalCone(pair.b, 0.0, eb, -normal, tolerance)) return false;
   return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * nearest.a,
                   nearest.distance) ||
          isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * nearest.b,
@@ -479,7 +497,7 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
   const auto nearest = findFeatureContact(vertex, segment, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever || nearest.b.minCoeff() <= 0.0) return;
   const Vector3d outward = directionBetween(nearest, vertex, segment);
-  if (!isInNormalCone(other, nearest.time, edge, outward, kVertexTolerance)) return;
+  if (!isInNormalCone(other, nearest.time, edge, outward, {kVertexTolerance})) return;
   const Vector3d motion = vertex.motion - segment.motion * nearest.b;
   const double gap = nearest.distance - pair.radiusSum();
   if (!vertexTouches(pair, ofB, {v, -outward, motion, nearest.time, gap})) return;
@@ -498,8 +516,9 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
-  const bool apart = areInFront(pair, ea, eb, nearest.time, normal);
-  if (!apart && !havePassedThrough(pair, ea, eb, nearest, normal)) return;
+  const ConeTolerance tolerance = crossingTolerance(ea, eb, search);
+  const bool apart = areInFront(pair, ea, eb, nearest.time, normal, tolerance);
+  if (!apart && !havePassedThrough(pair, ea, eb, nearest, normal, tolerance)) return;
   addCandidate(pair, false, kEdgeEdge,
                {onEdge(*pair.a.topology, ea, nearest.a), onEdge(*pair.b.topology, eb, nearest.b),
                 apart ? normal : Vector3d(-normal), 0.0, nearest.time},

@@ -58,6 +58,8 @@ struct ContactSearch {
   LeafPairs waiting, near;  ///< see findNearLeaves()
   std::vector<FeatureCandidate> candidates;
   std::vector<PenetratingVertex> penetrating;
+  std::vector<std::uint64_t> bearing;  ///< input, sorted: keys of the contacts of edges that had an impulse
+                                       ///< in the last tick
 };
 
 /// Finds all contacts of two surfaces: where they touch, are within `margin` (m) of it, or will touch after
@@ -68,6 +70,9 @@ struct ContactSearch {
 /// limit. Other triangles push to the side on which the other feature is at the start of the tick. A vertex
 /// has one contact for each direction of its contact normals (within 6 degrees). Contacts at the same point
 /// with the same direction are merged into one.
+///
+/// Edges in a nearly flat surface do not count, except in contacts of `search.bearing`: those have flattened
+/// it, and would else give way and be pushed back in turn.
 ///
 /// A surface without triangles that is more than twice as thick as the other is round: a ball or a capsule.
 /// Where vertices are closer together than its radius, it collides with all of them that approach it, not
