@@ -186,6 +186,35 @@ TEST(PairContacts, slideByCoulombsLaw) {
   }
 }
 
+/// Sweeps that a tower needs leave out the sliding box, which a few sweeps have solved.
+TEST(PairContacts, solveATowerAndASlidingBoxAtOnce) {
+  const double speed = 3.0, time = 0.25;
+  const auto slide = [&](Scene& scene) -> double {
+    const std::uint32_t box = scene.addBox(1.0, {0, 0.5, 5});
+    scene.island.links.rigids[box].velocity.x() = speed;
+    for (const double x : {-0.5, 0.5})
+      for (const double z : {-0.5, 0.5}) scene.add(corner(box, {x, -0.5, z}), ContactPoint(), 0.0);
+    scene.run(time, 10);
+    return scene.island.links.rigids[box].velocity.x();
+  };
+  Scene alone, both;
+  const std::size_t count = 6;
+  for (std::uint32_t c = 0; c < count; ++c) {
+    both.addCube(1e4, 20.0, {0, 0.5 + c, 0});
+    if (c == 0)
+      both.addSupport(c, kFloor);
+    else
+      both.addSupport(c, [&](std::uint32_t i) { return point(c - 1, i | 2); });
+  }
+  const double slower = slide(both);
+  EXPECT_NEAR(slower, slide(alone), both.island.pairs.tolerance);
+  EXPECT_NEAR(slower, speed - 0.5 * kGravity * time, 1e-3 * speed);
+  both.run(20.0, 20);
+  EXPECT_EQ(both.island.links.rigids[0].velocity.x(), 0.0);
+  for (std::size_t c = 0; c < count; ++c)
+    EXPECT_NEAR(both.force(4 * c, 4 * c + 4) / (kGravity * static_cast<double>(count - c)), 1.0, 1e-4) << c;
+}
+
 TEST(PairContacts, leaveAPointThatIsCarriedToItsAnchor) {
   Scene scene;
   const std::uint32_t cube = scene.addCube(1e3, 2.0, {0, 0.5, 0});

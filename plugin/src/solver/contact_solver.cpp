@@ -337,11 +337,18 @@ struct Change {
 
 /// One stage of all rows of an island. Contacts without an impulse that are not violated either are left out
 /// of the sweeps, and tested again after these.
+///
+/// In a pile most contacts are solved after a few sweeps, and a few groups of them need many. So a sweep
+/// leaves out the contacts of two bodies that no contact has changed by more than the tolerance since the
+/// last sweep. The solve ends with a sweep over all.
+/// With joints and anchors, which act through many bodies at once, every sweep is over all.
 struct Solve {
   IslandConstraints& rows;
   LinkedBodies& bodies;
   Stage stage;
-  double dt = 0.0;  ///< s, of the drift after which anchors coincide; 0 for velocities
+  double dt = 0.0;         ///< s, of the drift after which anchors coincide; 0 for velocities
+  double tolerance = 0.0;  ///< m/s, of the present sweep
+  int count = 0;           ///< number of the present sweep, from 1 on
 
   template <class Row>
   auto& impulse(Row& row) const {
@@ -361,6 +368,7 @@ struct Solve {
     row.minFrictionChange = kMinFrictionChange;
     row.direction = ContactVector();
     row.change = ContactVector();
+    rows.changedIn[row.bodyA] = rows.changedIn[row.bodyB] = count;
     rows.active.push_back(i);
   }
 
@@ -390,12 +398,12 @@ struct Solve {
 
   /// Activates the contacts that the coming drift would violate. Returns whether there are any.
   bool activateViolated() {
-    const std::size_t count = rows.active.size();
+    const std::size_t before = rows.active.size();
     for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
       const ContactConstraint& row = rows.rows[i];
       if (!row.active && row.mass > 0.0 && speedAlong(rows, row) < row.target) activate(i);
     }
-    if (rows.active.size() == count) return false;
+    if (rows.active.size() == before) return false;
     std::sort(rows.active.begin(), rows.active.end());
     return true;
   }
@@ -410,7 +418,22 @@ struct Solve {
     j.lower = -j.upper;
   }
 
-  Change sweep(bool free) {
+  /// Marks both bodies of the contact if the change is large enough.
+  void noteChange(const ContactConstraint& row, const ContactVector& change) const {
+    if (change.squaredNorm() * row.mobility * row.mobility > tolerance * tolerance)
+      rows.changedIn[row.bodyA] = rows.changedIn[row.bodyB] = count;
+  }
+
+  bool isNearChange(const ContactConstraint& row) const {
+    return std::max(rows.changedIn[row.bodyA], rows.changedIn[row.bodyB]) + 1 >= count;
+  }
+
+  void leaveOut(ContactConstraint& row) const { row.change = row.direction = ContactVector(); }
+
+  bool hasOnlyContacts() const { return rows.joints.empty() && bodies.anchors.empty(); }
+
+  /// `free`: friction cones follow the normal impulses. `all`: leaves out no contact.
+  Change sweep(bool free, bool all) {
     Change change;
     for (JointConstraint& j : rows.joints) {
       if (j.mass == 0.0) continue;
@@ -425,10 +448,17 @@ struct Solve {
       impulse(anchor) += anchor.change;
       change.add(error, anchor.change);
     }
+    rows.swept.clear();
     for (const std::uint32_t i : rows.active) {
       ContactConstraint& row = rows.rows[i];
+      if (!all && !isNearChange(row)) {
+        leaveOut(row);
+        continue;
+      }
+      rows.swept.push_back(i);
       solveContact(rows, row, impulse(row), row.target, free);
       change.add(row.change.squaredNorm(), row.mobility);
+      noteChange(row, row.change);
     }
     return change;
   }
@@ -448,21 +478,29 @@ struct Solve {
   void stepAlongDirections(double beta) const {
     for (JointConstraint& j : rows.joints) stepAlongDirection(j, beta);
     for (LinkAnchor& anchor : bodies.anchors) stepAlongDirection(anchor, beta);
-    for (const std::uint32_t i : rows.active) stepAlongDirection(rows.rows[i], beta);
+    for (const std::uint32_t i : rows.swept) {
+      ContactConstraint& row = rows.rows[i];
+      stepAlongDirection(row, beta);
+      noteChange(row, row.direction);
+    }
   }
 
-  bool hasNothingToDo() const { return rows.active.empty() && rows.joints.empty() && bodies.anchors.empty(); }
+  bool hasNothingToDo() const { return rows.active.empty() && hasOnlyContacts(); }
 
   int run() {
+    rows.changedIn.assign(rows.bodyCount, 0);
     start();
-    const double tolerance = rows.empty() ? kTightTolerance : rows.tolerance;
+    tolerance = rows.empty() ? kTightTolerance : rows.tolerance;
     double before = 0.0;
     int lastFree = kFreeSweeps;
-    for (int count = 1; !hasNothingToDo(); ++count) {
-      const Change change = sweep(count <= lastFree);
+    bool all = true;
+    for (count = 1; !hasNothingToDo(); ++count) {
+      if (stage == Stage::Velocities && count == kExactSweeps) tolerance *= kLargerTolerance;
+      const Change change = sweep(count <= lastFree, all);
       if (count == kMaxSweeps) return count;
-      const bool larger = stage == Stage::Velocities && count >= kExactSweeps;
-      const bool ends = change.within(larger ? kLargerTolerance * tolerance : tolerance);
+      const bool converged = change.within(tolerance), wasWhole = rows.swept.size() == rows.active.size();
+      all = !hasOnlyContacts() || (converged && !wasWhole);
+      const bool ends = converged && wasWhole;
       if (ends && (stage == Stage::Velocities || !activateViolated())) return count;
       if (ends) lastFree = count + kFreeSweeps, restoreMinFriction();
       // restart the directions where the last sweep has changed more than the one before

@@ -207,6 +207,15 @@ void excludePinned(IslandConstraints& rows, ContactConstraint& row) {
   row.surfaceSpeeds += {-speeds.x(), -speeds.y(), -speeds.z()};
 }
 
+void setBodies(ContactConstraint& row, const Contact& c, const LinkedBodies& bodies) {
+  const auto indexOf = [&](const ContactPoint& side) {
+    const bool isRigid = side.kind == ContactPoint::Kind::Rigid;
+    return side.body + (isRigid ? static_cast<std::uint32_t>(bodies.points.size()) : 0);
+  };
+  row.bodyA = indexOf(c.a.kind == ContactPoint::Kind::World ? c.b : c.a);
+  row.bodyB = indexOf(c.b.kind == ContactPoint::Kind::World ? c.a : c.b);
+}
+
 void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& c, LinkedBodies& bodies) {
   setAxes(row, c.normal);
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
@@ -221,6 +230,7 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   setMobility(row, axes.transpose() * mobilityOf(rows, row, c, bodies) * axes);
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
+  setBodies(row, c, bodies);
   row.gap = c.gap;
   excludePinned(rows, row);
   row.friction = c.friction;
@@ -371,6 +381,8 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   rows.rotations.clear();
   rows.rows.resize(rows.contacts.size());
   rows.active.reserve(rows.contacts.capacity());
+  rows.swept.reserve(rows.contacts.capacity());
+  rows.bodyCount = bodies.points.size() + bodies.rigids.size();
   findAnchored(rows, bodies);
   reserveScaledMasses(rows);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)

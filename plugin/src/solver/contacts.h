@@ -125,6 +125,7 @@ struct ContactConstraint : ContactTarget {
   double axes[3][3];            ///< the normal and two tangents
   ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
+  std::uint32_t bodyA, bodyB;  ///< indices in IslandConstraints::changedIn; equal if only one side can move
   Couple couple;
   double gap;                    ///< m
   double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
@@ -155,6 +156,9 @@ struct IslandConstraints {
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<ConstraintRotation> rotations;
   std::vector<std::uint32_t> active;  ///< rows in the sweeps of the present stage
+  std::vector<std::uint32_t> swept;   ///< those of them in the present sweep
+  std::size_t bodyCount = 0;          ///< soft and rigid bodies
+  std::vector<int> changedIn;  ///< #soft bodies, then #rigid bodies: the last sweep that changed the body
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
