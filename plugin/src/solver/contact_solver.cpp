@@ -137,21 +137,37 @@ void alignRigid(IslandConstraints& rows, const ContactConstraint& row, const Con
   }
 }
 
-/// 1/kg: speeds along the normal and both tangents per impulse in each of these directions.
-Matrix3d momentArmMobility(const IslandConstraints& rows, const ContactConstraint& row) {
+/// Returns the mobility of a point that is free along all axes. With its share s, its inverse mass w, and the
+/// weights l of its normal speed in the two tangential ones it is  w B^T B,  B = s 1 + n l^T.
+Mobility freeMobility(const ConstraintPoint& point, const MomentArm& momentArm) {
+  const double along = point.response[0], both = point.share * along;  // s w, s^2 w
+  const double w = momentArm.inverseMass ? momentArm.inverseMass[0] : 0.0;
+  const double u = momentArm.across[0], v = momentArm.across[1];
+  return {both, along * u, along * v, both + w * u * u, w * u * v, both + w * v * v};
+}
+
+/// The same for a point that moves more easily along some of the world's axes.
+Mobility boundMobility(const ContactConstraint& row, const ConstraintPoint& point,
+                       const MomentArm& momentArm) {
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
-  Matrix3d mobility = Matrix3d::Zero();
+  const Vector3d across(0.0, momentArm.across[0], momentArm.across[1]);
+  const Matrix3d changes =
+      ConstMap(point.response).asDiagonal() * axes + ConstMap(momentArm.response) * across.transpose();
+  return Mobility((point.share * axes + axes.col(0) * across.transpose()).transpose() * changes);
+}
+
+Mobility momentArmMobility(const IslandConstraints& rows, const ContactConstraint& row) {
+  Mobility mobility;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
     const ConstraintPoint& point = rows.points[i];
-    const MomentArm& momentArm = rows.momentArms[i];
-    const Vector3d across(0.0, momentArm.across[0], momentArm.across[1]);
-    const Matrix3d changes =
-        ConstMap(point.response).asDiagonal() * axes + ConstMap(momentArm.response) * across.transpose();
-    mobility += (point.share * axes + axes.col(0) * across.transpose()).transpose() * changes;
+    const double* r = point.response;
+    const bool isFree = r[0] == r[1] && r[1] == r[2];
+    mobility +=
+        isFree ? freeMobility(point, rows.momentArms[i]) : boundMobility(row, point, rows.momentArms[i]);
   }
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
-    mobility += Eigen::Map<const Matrix3d>(rows.rotations[i].speeds[0]).transpose() *
-                Eigen::Map<const Matrix3d>(rows.rotations[i].response[0]);
+    mobility += Mobility(Eigen::Map<const Matrix3d>(rows.rotations[i].speeds[0]).transpose() *
+                         Eigen::Map<const Matrix3d>(rows.rotations[i].response[0]));
   return mobility;
 }
 

@@ -227,7 +227,7 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   addContactPoint(rows, row, bodies, c.b, -1.0);
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
   row.endRotation = static_cast<std::uint32_t>(rows.rotations.size());
-  setMobility(row, axes.transpose() * mobilityOf(rows, row, c, bodies) * axes);
+  setMobility(row, Mobility(axes.transpose() * mobilityOf(rows, row, c, bodies) * axes));
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   setBodies(row, c, bodies);
@@ -271,7 +271,7 @@ void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal,
     mobility += share * share * ConstMap(rows.momentArms[i].inverseMass);
   }
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
-  setMobility(row, axes.transpose() * mobility.asDiagonal() * axes);
+  setMobility(row, Mobility(axes.transpose() * mobility.asDiagonal() * axes));
   excludePinned(rows, row);
 }
 
@@ -365,14 +365,13 @@ void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv
 
 }  // namespace
 
-void setMobility(ContactConstraint& row, const Matrix3d& mobility) {
-  row.mobility = mobility(0, 0);
-  row.mass = row.mobility > 0.0 ? 1.0 / row.mobility : 0.0;
-  row.acrossAlong[0] = mobility(1, 0);
-  row.acrossAlong[1] = mobility(2, 0);
-  const double uu = mobility(1, 1), uv = mobility(1, 2), vv = mobility(2, 2);
-  row.acrossSoftness = kFrictionSoftness * 0.5 * (uu + vv);
-  setTangentialMasses(row, uu + row.acrossSoftness, uv, vv + row.acrossSoftness);
+void setMobility(ContactConstraint& row, const Mobility& m) {
+  row.mobility = m.nn;
+  row.mass = m.nn > 0.0 ? 1.0 / m.nn : 0.0;
+  row.acrossAlong[0] = m.nu;
+  row.acrossAlong[1] = m.nv;
+  row.acrossSoftness = kFrictionSoftness * 0.5 * (m.uu + m.vv);
+  setTangentialMasses(row, m.uu + row.acrossSoftness, m.uv, m.vv + row.acrossSoftness);
 }
 
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {

@@ -117,6 +117,23 @@ struct ContactVector {
   double squaredNorm() const { return n * n + u * u + v * v; }
 };
 
+/// 1/kg, symmetric 3 x 3: speeds along a contact's normal and both tangents per impulse in each of these
+/// directions. Plain numbers, for the same reason.
+struct Mobility {
+  double nn = 0.0, nu = 0.0, nv = 0.0, uu = 0.0, uv = 0.0, vv = 0.0;
+
+  Mobility() = default;
+  Mobility(double nn_, double nu_, double nv_, double uu_, double uv_, double vv_)
+      : nn(nn_), nu(nu_), nv(nv_), uu(uu_), uv(uv_), vv(vv_) {}
+  explicit Mobility(const Eigen::Matrix3d& m)
+      : Mobility(m(0, 0), m(1, 0), m(2, 0), m(1, 1), m(1, 2), m(2, 2)) {}
+
+  Mobility& operator+=(const Mobility& o) {
+    nn += o.nn, nu += o.nu, nv += o.nv, uu += o.uu, uv += o.uv, vv += o.vv;
+    return *this;
+  }
+};
+
 /// The side that balances the couple of tangential impulses at two points that are apart along the normal.
 enum class Couple : std::uint8_t { None, Soft, Rigid };
 
@@ -209,8 +226,8 @@ inline Eigen::Vector3d inAxes(const ContactConstraint& row, const Eigen::Vector3
   return {ConstMap(row.axes[0]).dot(v), ConstMap(row.axes[1]).dot(v), ConstMap(row.axes[2]).dot(v)};
 }
 
-/// Sets the row's masses from the speeds per impulse (1/kg) along the normal and both tangents.
-void setMobility(ContactConstraint& row, const Eigen::Matrix3d& mobility);
+/// Sets the row's masses.
+void setMobility(ContactConstraint& row, const Mobility& mobility);
 
 /// Sets the share of point i, which has an inverse mass.
 inline void setShare(IslandConstraints& rows, std::uint32_t i, double share) {
