@@ -209,6 +209,14 @@ void store(SoftBodyData& body, const ObjectHandle& partner, std::uint64_t key, c
   body.storedImpulses.push_back({partner.id, partner.object, key, {along, c.impulse.sum - along * c.normal}});
 }
 
+/// Returns the handle of the partner of a row of the body's contacts, or nullptr. Does not access the
+/// partner.
+const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index) {
+  const auto isPartner = [&](const ObjectHandle& h) { return h.object == body.contactPartners[index]; };
+  const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
+  return it != body.partnerHandles.end() ? &*it : nullptr;
+}
+
 /// Returns the key of a row of the body's contacts: the point, and how many rows before it have the same
 /// point and partner. No key of two features is as large.
 std::uint64_t planeKey(const SoftBodyData& body, std::size_t index) {
@@ -231,17 +239,21 @@ void warmStart(TickContacts& contacts) {
 }
 
 void warmStart(const SoftBodyData& body, std::size_t index, Contact& contact) {
-  const ObjectHandle partner = handleOf(*body.contactPartners[index]);
-  if (const ContactImpulse* impulse = lastImpulse(body, partner, planeKey(body, index)))
+  const ObjectHandle* partner = partnerHandle(body, index);
+  if (!partner) return;
+  if (const ContactImpulse* impulse = lastImpulse(body, *partner, planeKey(body, index)))
     contact.positionImpulse = *impulse;
 }
 
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
   for (SoftBodyData* body : bodies) {
     body->storedImpulses.clear();
-    for (std::size_t i = 0; i < body->contacts.size(); ++i)
-      if (body->contacts[i].coupled && body->contacts[i].impulse.along > 0.0)
-        store(*body, handleOf(*body->contactPartners[i]), planeKey(*body, i), body->contacts[i]);
+    for (std::size_t i = 0; i < body->contacts.size(); ++i) {
+      const PlaneContact& row = body->contacts[i];
+      if (!row.coupled || !(row.impulse.along > 0.0)) continue;
+      if (const ObjectHandle* partner = partnerHandle(*body, i))
+        store(*body, *partner, planeKey(*body, i), row);
+    }
   }
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i)
     if (const ContactSource& source = contacts.sources[i]; source.body)
