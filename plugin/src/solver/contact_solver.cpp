@@ -218,7 +218,7 @@ constexpr double kKept = 0.8;
 /// friction go back against its change in the sweep before, it was too large and becomes smaller by a factor:
 /// else the sweeps would step to and fro across the solution until the cones are fixed (see kFreeSweeps).
 /// For sliding slower than kSlowSliding times the tolerance it is smaller in proportion: such sliding is
-/// hardly more than the error that the solve may leave. A pile of 200 bodies at rest needs half as many
+/// hardly more than the error that the solve may leave. A pile of 200 bodies at rest needs two fifths fewer
 /// sweeps.
 constexpr double kMinFrictionChange = 0.1;
 constexpr double kAfterReversal = 0.3;
@@ -356,8 +356,8 @@ struct Change {
 ///
 /// In a pile most contacts are solved after a few sweeps, and a few groups of them need many. So a sweep
 /// leaves out the contacts of two bodies that no contact has changed by more than the tolerance since the
-/// last sweep. The solve ends with a sweep over all.
-/// With joints and anchors, which act through many bodies at once, every sweep is over all.
+/// last sweep. The solve ends with a sweep over all. With joints and anchors, which act through many bodies
+/// at once, every sweep is over all.
 struct Solve {
   IslandConstraints& rows;
   LinkedBodies& bodies;
