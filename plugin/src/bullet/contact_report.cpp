@@ -65,9 +65,8 @@ ContactSide pointSide(std::uint32_t point) {
 
 void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
   for (std::size_t i = 0; i < body.contacts.size(); ++i) {
-    const auto isPartner = [&](const ObjectHandle& h) { return h.object == body.contactPartners[i]; };
-    const auto handle = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
-    if (handle == body.partnerHandles.end() || !isValid(world, *handle)) continue;
+    const ObjectHandle* handle = partnerHandle(body, i);
+    if (!handle || !isValid(world, *handle)) continue;
     const PlaneContact& row = body.contacts[i];
     const Vector3d x = body.state.position.col(row.point);
     const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);

@@ -206,10 +206,11 @@ void listBearing(const SurfaceCandidate& m, std::vector<std::uint64_t>& keys) {
 void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   s.contacts.clear();
+  if (!isSelf(m) && !areNear(a, b, margin(m))) return;
   listBearing(m, s.search.bearing);
   if (isSelf(m))
     findSelfContacts(a, margin(m), s.search, s.contacts);
-  else if (areNear(a, b, margin(m)))
+  else
     findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
 }
 

@@ -209,14 +209,6 @@ void store(SoftBodyData& body, const ObjectHandle& partner, std::uint64_t key, c
   body.storedImpulses.push_back({partner.id, partner.object, key, {along, c.impulse.sum - along * c.normal}});
 }
 
-/// Returns the handle of the partner of a row of the body's contacts, or nullptr. Does not access the
-/// partner.
-const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index) {
-  const auto isPartner = [&](const ObjectHandle& h) { return h.object == body.contactPartners[index]; };
-  const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
-  return it != body.partnerHandles.end() ? &*it : nullptr;
-}
-
 /// Returns the key of a row of the body's contacts: the point, and how many rows before it have the same
 /// point and partner. No key of two features is as large.
 std::uint64_t planeKey(const SoftBodyData& body, std::size_t index) {
@@ -228,6 +220,12 @@ std::uint64_t planeKey(const SoftBodyData& body, std::size_t index) {
 }
 
 }  // namespace
+
+const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index) {
+  const auto isPartner = [&](const ObjectHandle& h) { return h.object == body.contactPartners[index]; };
+  const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
+  return it != body.partnerHandles.end() ? &*it : nullptr;
+}
 
 void warmStart(TickContacts& contacts) {
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {

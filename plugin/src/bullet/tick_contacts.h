@@ -117,6 +117,10 @@ Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& pos
 ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& object,
                                const btVector3& position);
 
+/// Returns the handle of the partner of row `index` of the body's contacts with static and kinematic objects,
+/// or nullptr. Does not access the partner, which may be deleted.
+const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index);
+
 /// Starts the contacts of soft bodies from the impulses of the same features in the last tick.
 void warmStart(TickContacts& contacts);
 

@@ -153,7 +153,7 @@ Mobility boundMobility(const ContactConstraint& row, const ConstraintPoint& poin
   const Vector3d across(0.0, momentArm.across[0], momentArm.across[1]);
   const Matrix3d changes =
       ConstMap(point.response).asDiagonal() * axes + ConstMap(momentArm.response) * across.transpose();
-  return Mobility((point.share * axes + axes.col(0) * across.transpose()).transpose() * changes);
+  return Mobility::from((point.share * axes + axes.col(0) * across.transpose()).transpose() * changes);
 }
 
 Mobility momentArmMobility(const IslandConstraints& rows, const ContactConstraint& row) {
@@ -166,8 +166,8 @@ Mobility momentArmMobility(const IslandConstraints& rows, const ContactConstrain
         isFree ? freeMobility(point, rows.momentArms[i]) : boundMobility(row, point, rows.momentArms[i]);
   }
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
-    mobility += Mobility(Eigen::Map<const Matrix3d>(rows.rotations[i].speeds[0]).transpose() *
-                         Eigen::Map<const Matrix3d>(rows.rotations[i].response[0]));
+    mobility += Mobility::from(Eigen::Map<const Matrix3d>(rows.rotations[i].speeds[0]).transpose() *
+                               Eigen::Map<const Matrix3d>(rows.rotations[i].response[0]));
   return mobility;
 }
 
@@ -504,7 +504,7 @@ struct Solve {
   bool hasNothingToDo() const { return rows.active.empty() && hasOnlyContacts(); }
 
   int run() {
-    rows.changedIn.assign(rows.bodyCount, 0);
+    rows.changedIn.assign(bodies.points.size() + bodies.rigids.size(), 0);
     start();
     tolerance = rows.empty() ? kTightTolerance : rows.tolerance;
     double before = 0.0;

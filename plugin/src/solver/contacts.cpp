@@ -227,7 +227,7 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   addContactPoint(rows, row, bodies, c.b, -1.0);
   row.endPoint = static_cast<std::uint32_t>(rows.points.size());
   row.endRotation = static_cast<std::uint32_t>(rows.rotations.size());
-  setMobility(row, Mobility(axes.transpose() * mobilityOf(rows, row, c, bodies) * axes));
+  setMobility(row, Mobility::from(axes.transpose() * mobilityOf(rows, row, c, bodies) * axes));
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   setBodies(row, c, bodies);
@@ -271,7 +271,7 @@ void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal,
     mobility += share * share * ConstMap(rows.momentArms[i].inverseMass);
   }
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
-  setMobility(row, Mobility(axes.transpose() * mobility.asDiagonal() * axes));
+  setMobility(row, Mobility::from(axes.transpose() * mobility.asDiagonal() * axes));
   excludePinned(rows, row);
 }
 
@@ -381,7 +381,6 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   rows.rows.resize(rows.contacts.size());
   rows.active.reserve(rows.contacts.capacity());
   rows.swept.reserve(rows.contacts.capacity());
-  rows.bodyCount = bodies.points.size() + bodies.rigids.size();
   findAnchored(rows, bodies);
   reserveScaledMasses(rows);
   for (std::size_t i = 0; i < rows.contacts.size(); ++i)

@@ -122,11 +122,9 @@ struct ContactVector {
 struct Mobility {
   double nn = 0.0, nu = 0.0, nv = 0.0, uu = 0.0, uv = 0.0, vv = 0.0;
 
-  Mobility() = default;
-  Mobility(double nn_, double nu_, double nv_, double uu_, double uv_, double vv_)
-      : nn(nn_), nu(nu_), nv(nv_), uu(uu_), uv(uv_), vv(vv_) {}
-  explicit Mobility(const Eigen::Matrix3d& m)
-      : Mobility(m(0, 0), m(1, 0), m(2, 0), m(1, 1), m(1, 2), m(2, 2)) {}
+  static Mobility from(const Eigen::Matrix3d& m) {
+    return {m(0, 0), m(1, 0), m(2, 0), m(1, 1), m(1, 2), m(2, 2)};
+  }
 
   Mobility& operator+=(const Mobility& o) {
     nn += o.nn, nu += o.nu, nv += o.nv, uu += o.uu, uv += o.uv, vv += o.vv;
@@ -174,7 +172,6 @@ struct IslandConstraints {
   std::vector<ConstraintRotation> rotations;
   std::vector<std::uint32_t> active;  ///< rows in the sweeps of the present stage
   std::vector<std::uint32_t> swept;   ///< those of them in the present sweep
-  std::size_t bodyCount = 0;          ///< soft and rigid bodies
   std::vector<int> changedIn;  ///< #soft bodies, then #rigid bodies: the last sweep that changed the body
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       anchored;  ///< body and point, sorted: points attached to immovable bodies
