@@ -31,6 +31,7 @@ struct SteppedTestBody {
     group.bodies.push_back({&state, &springs, nullptr});
     if (!volumes.empty()) group.bodies[0].volumes = &volumes;
     if (!tetrahedra.empty()) group.bodies[0].tetrahedra = &tetrahedra;
+    tetrahedronFrequencyBoundSquared(tetrahedra, state);
     group.links.points.push_back(&state);
   }
   SteppedTestBody(const SteppedTestBody&) = delete;

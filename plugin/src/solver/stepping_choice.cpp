@@ -294,7 +294,7 @@ Bounds boundsAtRest(const ElasticConstants& full, const Points& restShape, const
   volumes.rowSums.resize(points);
   TetrahedronVolumes tetrahedra;
   tetrahedra.constants = full.tetrahedra;
-  tetrahedra.rowSums.resize(points);
+  tetrahedra.mobility.resize(full.tetrahedra->tetrahedra.size());
   std::vector<double> sums;
   return {frequencyBoundSquared(springs, inverseMass, sums), volumeFrequencyBoundSquared(volumes, rest, 0.0),
           tetrahedronFrequencyBoundSquared(tetrahedra, rest)};

@@ -7,13 +7,13 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 namespace limber {
 namespace {
 
+using Eigen::Index;
 using Eigen::Vector3d;
 
 /// The present shape of a tetrahedron.
@@ -53,20 +53,6 @@ double energyOfChange(double c, double from, double smallest) {
 /// A volume change above this fraction of the rest volume is far from rest.
 constexpr double kFar = 0.5;
 
-double perimeter(const Tetrahedron& t, std::size_t without, const Points& x) {
-  const std::uint32_t a = t[(without + 1) % 4], b = t[(without + 2) % 4], c = t[(without + 3) % 4];
-  return (x.col(b) - x.col(a)).norm() + (x.col(c) - x.col(b)).norm() + (x.col(a) - x.col(c)).norm();
-}
-
-std::vector<double> valenceOf(const std::vector<Tetrahedron>& tetrahedra, std::size_t points) {
-  std::vector<double> around(points, 0.0), valence;
-  for (const Tetrahedron& t : tetrahedra)
-    for (const std::uint32_t corner : t) around[corner] += 1.0;
-  for (const Tetrahedron& t : tetrahedra)
-    valence.push_back(std::max({around[t[0]], around[t[1]], around[t[2]], around[t[3]]}));
-  return valence;
-}
-
 bool springsRunAlongEdges(const SpringNetwork& network) {
   std::vector<Edge> edges;
   for (const NetworkSpring& s : network.springs) edges.push_back(edgeBetween(s.a, s.b));
@@ -87,16 +73,15 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
   for (const std::uint32_t i : v.division.order) v.tetrahedra.push_back(network.tetrahedra[i]);
   const Points rest = scaledRest(network, settings.scale);
   double sum = 0.0;
-  v.restGradientSquares.resize(4, static_cast<Eigen::Index>(v.tetrahedra.size()));
+  v.restGradientSquares.resize(4, static_cast<Index>(v.tetrahedra.size()));
   for (std::size_t i = 0; i < v.tetrahedra.size(); ++i) {
     if (settings.scale.prod() < 0.0) std::swap(v.tetrahedra[i][2], v.tetrahedra[i][3]);
     const Shape shape = shapeOf(v.tetrahedra[i], rest);
     v.restVolume.push_back(std::abs(shape.volume));
     v.inverseRest.push_back(1.0 / (6.0 * v.restVolume.back()));
     sum += v.restVolume.back();
-    v.restGradientSquares.col(static_cast<Eigen::Index>(i)) = shape.gradient.colwise().squaredNorm();
+    v.restGradientSquares.col(static_cast<Index>(i)) = shape.gradient.colwise().squaredNorm();
   }
-  v.valence = valenceOf(v.tetrahedra, network.restPoints.size());
   v.edgesAreSprings = springsRunAlongEdges(network);
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);
   const double springModulus = networkModulus(network, settings.scale, stiffness, sum);
@@ -104,24 +89,20 @@ TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const So
   v.crushModulus = springModulus - 0.5 * std::min(springModulus, v.modulus);
   TetrahedronVolumes volumes;
   volumes.stabilityScale.assign(v.tetrahedra.size(), 0.0);
-  volumes.rowSums.assign(network.restPoints.size(), 0.0);
+  volumes.mobility.assign(v.tetrahedra.size(), 0.0);
   volumes.constants = SharedConstants<TetrahedronConstants>(std::move(v));
   return volumes;
 }
 
-void prepareTetrahedra(TetrahedronVolumes& v, const Points& inverseMass, double dt) {
+void prepareTetrahedra(TetrahedronVolumes& v, double dt) {
   const double stiffest = std::max(v->modulus, v->crushModulus);
   const double factor = stiffest * dt * dt / (36.0 * kLargestCornerPhaseSquared);
-  for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
-    double largest = 0.0;
-    for (const std::uint32_t corner : v->tetrahedra[i])
-      largest = std::max(largest, inverseMass.col(corner).maxCoeff());
-    v.stabilityScale[i] = factor * largest * v->valence[i] / v->restVolume[i];
-  }
+  for (std::size_t i = 0; i < v->tetrahedra.size(); ++i)
+    v.stabilityScale[i] = factor * v.mobility[i] / v->restVolume[i];
 }
 
 bool isHeldBack(TetrahedronVolumes& v, const PointState& state, double dt) {
-  prepareTetrahedra(v, state.inverseMass, dt);
+  prepareTetrahedra(v, dt);
   for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
     const double squares = 36.0 * shapeOf(v->tetrahedra[i], state.position).gradient.squaredNorm();
     if (v.stabilityScale[i] * squares > 1.0) return true;
@@ -165,30 +146,85 @@ TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& v, std::size_t i, co
           ((limited ? 0.0 : v->modulus) + (crushed ? v->crushModulus : 0.0)) / v->restVolume[i]};
 }
 
+// --- the bound of the frequency ----------------------------------------------------------------------------
+
+namespace {
+
+void resetScratch(TetrahedronVolumes& v, std::size_t points) {
+  TetrahedronScratch& s = v.scratch;
+  s.squares.resize(4, static_cast<Index>(v->tetrahedra.size()));
+  s.stiffness.resize(v->tetrahedra.size());
+  s.directions.assign(points, Eigen::Matrix3d::Zero());
+  s.rates.resize(points);
+  s.rowSums.assign(points, 0.0);
+}
+
+/// Lengths (m) of the sides of the faces opposite to the corners, summed.
+Eigen::Array4d perimeters(const Tetrahedron& t, const Points& x) {
+  const auto length = [&](std::size_t i, std::size_t j) { return (x.col(t[i]) - x.col(t[j])).norm(); };
+  const double ab = length(0, 1), ac = length(0, 2), ad = length(0, 3), bc = length(1, 2), bd = length(1, 3),
+               cd = length(2, 3);
+  return {bc + bd + cd, ac + ad + cd, ab + ad + bd, ab + ac + bc};
+}
+
+/// Whether this relative volume is far from rest, or will be after a tick at this rate (1/s).
+bool isFar(double relativeVolume, double rate, double tick) {
+  return std::abs(relativeVolume - 1.0) > kFar || std::abs(tick * rate) > kFar;
+}
+
+/// Adds a tetrahedron to the sums of its corners.
+void addTetrahedron(TetrahedronVolumes& v, std::size_t i, const PointState& state, double tick) {
+  TetrahedronScratch& s = v.scratch;
+  const Tetrahedron& t = v->tetrahedra[i];
+  const Shape shape = shapeOf(t, state.position);
+  const double relative = shape.volume / v->restVolume[i];
+  s.stiffness[i] = stiffnessNear(v, relative) / v->restVolume[i];
+  const double push = std::abs(kernel::tetrahedronPush(relative, v->modulus, v->crushModulus));
+  const Eigen::Array4d edges = perimeters(t, state.position);
+  double rate = 0.0;
+  for (Index corner = 0; corner < 4; ++corner) {
+    const std::uint32_t point = t[static_cast<std::size_t>(corner)];
+    const Vector3d g = shape.gradient.col(corner);
+    const double square = s.squares(corner, static_cast<Index>(i)) = g.squaredNorm();
+    if (square > 0.0) s.directions[point].noalias() += (g / square) * g.transpose();
+    s.rowSums[point] += push * edges[corner] / 6.0;
+    rate += g.dot(state.velocity.col(point));
+  }
+  v.farFromRest = v.farFromRest || isFar(relative, rate / v->restVolume[i], tick);
+}
+
+/// Returns an upper bound of the largest eigenvalue of a symmetric, positive semidefinite matrix A, at most 7
+/// % above it:  (trace of A^16)^(1/16).
+double eigenvalueBound(const Eigen::Matrix3d& a) {
+  const double trace = a.trace();
+  if (!(trace > 0.0)) return 0.0;
+  Eigen::Matrix3d power = a / trace;
+  for (int doubling = 0; doubling < 3; ++doubling) power = (power * power).eval();
+  return trace * std::sqrt(std::sqrt(std::sqrt(std::sqrt(power.squaredNorm()))));
+}
+
+}  // namespace
+
 double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {
-  std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
+  TetrahedronScratch& s = v.scratch;
+  resetScratch(v, static_cast<std::size_t>(state.position.cols()));
   v.farFromRest = false;
+  for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) addTetrahedron(v, i, state, tick);
+  double ofSecond = 0.0, ofGradients = 0.0;
+  for (std::size_t i = 0; i < s.rates.size(); ++i) {
+    const double w = state.inverseMass.col(static_cast<Index>(i)).maxCoeff();
+    ofSecond = std::max(ofSecond, w * s.rowSums[i]);
+    s.rates[i] = w * eigenvalueBound(s.directions[i]);
+  }
   for (std::size_t i = 0; i < v->tetrahedra.size(); ++i) {
     const Tetrahedron& t = v->tetrahedra[i];
-    const Shape shape = shapeOf(t, state.position);
-    const double relative = shape.volume / v->restVolume[i];
-    const double stiffness = stiffnessNear(v, relative) / v->restVolume[i];
-    const double push = std::abs(kernel::tetrahedronPush(relative, v->modulus, v->crushModulus));
-    const Eigen::Array4d norms = shape.gradient.colwise().norm();
-    double rate = 0.0;
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      rate += shape.gradient.col(static_cast<Eigen::Index>(corner)).dot(state.velocity.col(t[corner]));
-    const double foreseen = std::abs(tick * rate / v->restVolume[i]);
-    v.farFromRest = v.farFromRest || std::abs(relative - 1.0) > kFar || foreseen > kFar;
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      v.rowSums[t[corner]] += stiffness * norms[static_cast<Eigen::Index>(corner)] * norms.sum() +
-                              push * perimeter(t, corner, state.position) / 6.0;
+    const Eigen::Array4d squares = s.squares.col(static_cast<Index>(i));
+    const Eigen::Array4d rates{s.rates[t[0]], s.rates[t[1]], s.rates[t[2]], s.rates[t[3]]};
+    const double sum = squares.sum();
+    v.mobility[i] = sum > 0.0 ? (rates * squares).sum() / sum : rates.maxCoeff();
+    ofGradients = std::max(ofGradients, s.stiffness[i] * v.mobility[i] * sum);
   }
-  double largest = 0.0;
-  for (std::size_t i = 0; i < v.rowSums.size(); ++i)
-    largest =
-        std::max(largest, state.inverseMass.col(static_cast<Eigen::Index>(i)).maxCoeff() * v.rowSums[i]);
-  return largest;
+  return ofGradients + ofSecond;
 }
 
 }  // namespace limber

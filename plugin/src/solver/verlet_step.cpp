@@ -25,7 +25,7 @@ double elasticEnergy(SolverBody& body, const Points& position) {
 
 void prepareVolumes(SolverBody& body, double dt) {
   if (body.volumes) body.volumes->timeStep = dt;
-  if (body.tetrahedra) prepareTetrahedra(*body.tetrahedra, body.points->inverseMass, dt);
+  if (body.tetrahedra) prepareTetrahedra(*body.tetrahedra, dt);
 }
 
 double verletErrorRate(double change, Eigen::Index points, double dt) {

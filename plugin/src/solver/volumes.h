@@ -122,46 +122,61 @@ double keptVolumeBoundSquared(VolumeArrays& volumes, const PointState& state, do
 /// of that for K >= G, whose push helps to turn a tetrahedron over: the less push, the fewer tangled limbs
 /// are held in their tangle.
 ///
-/// Along its gradient g a tetrahedron oscillates with at most  omega^2 = n max(K, C)/V0 w sum |g|^2,  where w
-/// is the largest inverse mass of its corners and n its `valence`. This has no bound while the body is torn
-/// apart. Where omega^2 dt^2 exceeds kLargestCornerPhaseSquared, the force is scaled down to the largest
-/// stable one: `stabilityScale` is  n max(K, C) w dt^2 / (36 V0 kLargestCornerPhaseSquared),  to be
-/// multiplied by 36 sum |g|^2.
+/// All tetrahedra together oscillate along their gradients g with at most
+///     omega^2 = max over tetrahedra of  s sum over corners of  w m |g|^2,
+/// where s is a stiffness over V0, w the inverse mass of a corner, and m the largest eigenvalue of  sum e e^T
+/// over the tetrahedra at the corner, with the unit vectors e = g / |g|: |sum of forces f e|^2 <= m sum f^2.
+/// With max(K, C) as stiffness this has no bound while the body is torn apart. Where omega^2 dt^2 then
+/// exceeds kLargestCornerPhaseSquared, the force is scaled down to the largest stable one: `stabilityScale`
+/// is mobility max(K, C) dt^2 / (36 V0 kLargestCornerPhaseSquared),  to be multiplied by 36 sum |g|^2.
 struct TetrahedronConstants {
   Division division;                    ///< #tetrahedra
   std::vector<Tetrahedron> tetrahedra;  ///< in its order, oriented for the body's scale
   std::vector<double> restVolume;       ///< #tetrahedra, m^3, above 0
   std::vector<double> inverseRest;      ///< #tetrahedra, 1/m^3: 1 / (6 restVolume)
   Eigen::Array4Xd restGradientSquares;  ///< 4 x #tetrahedra, m^4, |dV / d corner|^2
-  std::vector<double> valence;          ///< #tetrahedra, n: tetrahedra around its corners, the maximum
   double modulus = 0.0;                 ///< Pa, K
   double crushModulus = 0.0;            ///< Pa, C
   bool edgesAreSprings = false;         ///< whether a spring runs along every edge
+};
+
+/// Memory of tetrahedronFrequencyBoundSquared().
+struct TetrahedronScratch {
+  Eigen::Array4Xd squares;                  ///< 4 x #tetrahedra, m^4, |g|^2
+  std::vector<double> stiffness;            ///< #tetrahedra, s, Pa/m^3
+  std::vector<Eigen::Matrix3d> directions;  ///< #points, sum of e e^T
+  std::vector<double> rates;                ///< #points, w m, 1/kg
+  std::vector<double> rowSums;              ///< #points, N/m, of the second derivatives
 };
 
 /// The tetrahedra of one body. `->` accesses their constants. Empty: no volume term.
 struct TetrahedronVolumes {
   SharedConstants<TetrahedronConstants> constants;
   std::vector<double> stabilityScale;  ///< #tetrahedra, 1/m^4, set by prepareTetrahedra
-  bool farFromRest = false;            ///< set by tetrahedronFrequencyBoundSquared()
-  std::vector<double> rowSums;         ///< #points, scratch
+  /// #tetrahedra, 1/kg, the mean of w m of the corners weighted by |g|^2; this and the next are set by
+  /// tetrahedronFrequencyBoundSquared()
+  std::vector<double> mobility;
+  bool farFromRest = false;
+  TetrahedronScratch scratch;
 
   const TetrahedronConstants* operator->() const { return &*constants; }
   bool empty() const { return constants->tetrahedra.empty(); }
 };
 
-/// Largest omega^2 dt^2 of a tetrahedron. It is below Verlet's limit of 4, and above the values of bodies
-/// near their rest shape, even if they are stepped at half that limit.
+/// Largest omega^2 dt^2 of tetrahedra. It is below Verlet's limit of 4, and above the values of bodies in the
+/// substeps that substepCount() chooses for them.
 constexpr double kLargestCornerPhaseSquared = 2.5;
 
 /// Makes the volume term of a body with these settings; empty if the network has no tetrahedra. The default
 /// of volumeModulus is the Young's modulus of all springs together. With 0 only crushing is resisted.
 TetrahedronVolumes makeTetrahedronVolumes(const SpringNetwork& network, const SoftBodySettings& settings);
 
-/// Sets `stabilityScale` for stable substeps of dt seconds. With 0 no force is scaled down.
-void prepareTetrahedra(TetrahedronVolumes& volumes, const Points& inverseMass, double dt);
+/// Sets `stabilityScale` for stable substeps of dt seconds, from the last tetrahedronFrequencyBoundSquared().
+/// With 0, or without that, no force is scaled down.
+void prepareTetrahedra(TetrahedronVolumes& volumes, double dt);
 
-/// Whether the force of some tetrahedron is scaled down at these positions in substeps of dt seconds.
+/// Whether the force of some tetrahedron is scaled down at these positions in substeps of dt seconds, with
+/// the `mobility` of the last tetrahedronFrequencyBoundSquared().
 bool isHeldBack(TetrahedronVolumes& volumes, const PointState& state, double dt);
 
 kernel::Tetrahedra<double> kernelTetrahedra(const TetrahedronVolumes& volumes);
@@ -182,13 +197,14 @@ TetrahedronSlope tetrahedronSlope(const TetrahedronVolumes& volumes, std::size_t
                                   const Points& position);
 
 /// Returns an upper bound (rad^2/s^2) of the volume term's contribution to the square of the body's highest
-/// angular frequency at these positions. Sets `farFromRest`: whether a tetrahedron is far from its rest
-/// volume, or may become so within `tick` seconds.
+/// angular frequency at these positions. Sets `mobility`, and `farFromRest`: whether a tetrahedron is far
+/// from its rest volume, or may become so within `tick` seconds.
 ///
 /// The Hessian of a tetrahedron's energy is  s g g^T - p H,  with its stiffness s, its push p, the gradient g
-/// and the second derivatives H of its volume. The 3 x 3 block of two corners in H is the cross product with
-/// a sixth of the opposite edge. Row sums of block norms, times inverse masses, bound the eigenvalues:
-///     max over points i of  w_i sum over its tetrahedra ( s |g_i| sum_j |g_j|  +  |p| sum of edges / 6 ),
+/// and the second derivatives H of its volume. The first part is bounded as TetrahedronConstants tells. The
+/// 3 x 3 block of two corners in H is the cross product with a sixth of the opposite edge. Row sums of block
+/// norms, times inverse masses, bound the second part:
+///     max over points i of  w_i sum over its tetrahedra |p| sum of edges / 6,
 /// with the edges of the face opposite to i.
 double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& volumes, const PointState& state,
                                         double tick = 0.0);
