@@ -206,6 +206,7 @@ double eigenvalueBound(const Eigen::Matrix3d& a) {
 }  // namespace
 
 double tetrahedronFrequencyBoundSquared(TetrahedronVolumes& v, const PointState& state, double tick) {
+  if (v.empty()) return 0.0;
   TetrahedronScratch& s = v.scratch;
   resetScratch(v, static_cast<std::size_t>(state.position.cols()));
   v.farFromRest = false;

@@ -349,8 +349,13 @@ constexpr double kSlack = 2e-4;
 /// Returns the largest displacement (m) of a point relative to the mean of all points: since the shape was
 /// stored, plus during the tick.
 double shapeChange(const Points& kept, const PointState& state, double tick) {
-  const Vector3d moved = (state.position - kept).rowwise().mean();
-  const Vector3d velocity = state.velocity.rowwise().mean();
+  Vector3d moved = Vector3d::Zero(), velocity = Vector3d::Zero();
+  for (Eigen::Index i = 0; i < kept.cols(); ++i) {
+    moved += state.position.col(i) - kept.col(i);
+    velocity += state.velocity.col(i);
+  }
+  moved /= static_cast<double>(kept.cols());
+  velocity /= static_cast<double>(kept.cols());
   double change = 0.0, speed = 0.0;
   for (Eigen::Index i = 0; i < kept.cols(); ++i) {
     change = std::max(change, (state.position.col(i) - kept.col(i) - moved).squaredNorm());
