@@ -41,9 +41,9 @@ struct FlowCoefficients {
 // --- air and water -----------------------------------------------------------------------------------------
 
 /// Returns the velocity (m/s) of the air at a place (m) and time (s since the system was made). Called for
-/// every point of an awake body with drag, on any thread and on several at a time with setParallelFor(). It
-/// must not throw, and gives equal results for equal arguments if runs shall be equal. Results that are not
-/// finite count as 0, and others are limited to 1e4 m/s.
+/// every point of an awake body with drag, where it will be in the middle of the tick, on any thread and on
+/// several at a time with setParallelFor(). It must not throw, and gives equal results for equal arguments if
+/// runs shall be equal. Results that are not finite count as 0, and others are limited to 1e4 m/s.
 using WindFunction = std::function<Eigen::Vector3d(const Eigen::Vector3d& place, double time)>;
 
 struct Air {

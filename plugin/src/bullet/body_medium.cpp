@@ -67,18 +67,20 @@ Flow waterOf(const SoftBodyData& body) {
   return flow;
 }
 
-Vector3d windAt(const Surroundings& around, const Vector3d& place) {
-  Vector3d wind = around.air.windAt(place, around.time);
+Vector3d windAt(const Surroundings& around, const Vector3d& place, double time) {
+  Vector3d wind = around.air.windAt(place, time);
   for (int axis = 0; axis < 3; ++axis)
     wind[axis] = std::isfinite(wind[axis]) ? std::clamp(wind[axis], -kMaxWind, kMaxWind) : 0.0;
   return around.air.wind + wind;
 }
 
-void setWindOfPoints(const SoftBodyData& body, BodyMedium& medium, Flow& air) {
+/// Of the middle of the tick.
+void setWindOfPoints(const SoftBodyData& body, BodyMedium& medium, double tick, Flow& air) {
   if (!body.surroundings->air.windAt) return;
   medium.wind.resize(3, body.state.position.cols());
   for (Eigen::Index i = 0; i < medium.wind.cols(); ++i)
-    medium.wind.col(i) = windAt(*body.surroundings, body.state.position.col(i));
+    medium.wind.col(i) =
+        windAt(*body.surroundings, medium.predicted.col(i), body.surroundings->time + 0.5 * tick);
   air.velocityAt = &medium.wind;
   medium.lastWind = medium.wind.col(0);
 }
@@ -237,10 +239,9 @@ Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, do
   return bobbing;
 }
 
-/// Adds the buoyancy to the accelerations. It is that of the predicted positions in the middle of the tick:
-/// then a constant force over the tick keeps the energy of bobbing bodies.
+/// Adds the buoyancy to the accelerations. It is that of the predicted positions: then a constant force over
+/// the tick keeps the energy of bobbing bodies.
 Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
-  medium.predicted = body.state.position + 0.5 * tick * body.state.velocity;
   medium.force.setZero(3, medium.predicted.cols());
   Bobbing bobbing;
   if (!body.model->parts.closed.empty()) {
@@ -279,13 +280,41 @@ void dampByWaves(const SoftBodyData& body, BodyMedium& medium, const WaterPlane&
       addDrag(medium.drag, i, 0.0, plane.up, kWaveDrag * massOf(body.state.inverseMass, i), flow);
 }
 
-/// Returns the mean of the velocities at the start of this tick and of the last one. Drag with the speed of
-/// this tick alone would be too strong and too weak by turns where it is strong enough to act fully within a
-/// tick.
-const Points& recentVelocity(const SoftBodyData& body, BodyMedium& medium) {
+/// Rate of the drag times tick, up to which the speeds are those of the middle of the tick, and from which on
+/// they are those of the middle of the last one.
+constexpr double kWeakDrag = 0.5, kStrongDrag = 1.0;
+
+/// Returns the velocities so many ticks after the start of this one, if they change as in the last tick.
+const Points& velocityAhead(const SoftBodyData& body, BodyMedium& medium, double ticks) {
   if (body.startVelocity.cols() != body.state.velocity.cols()) return body.state.velocity;
-  medium.velocity = 0.5 * (body.state.velocity + body.startVelocity);
+  medium.velocity = body.state.velocity + ticks * (body.state.velocity - body.startVelocity);
   return medium.velocity;
+}
+
+/// Returns the largest |W D| of a point, 1/s.
+double fastestRate(const PointDrag& drag) {
+  double rate = 0.0;
+  for (Eigen::Index i = 0; i < drag.terms.cols(); ++i)
+    if (const double time = drag.terms(9, i); time > 0.0) rate = std::max(rate, 1.0 / time);
+  return rate;
+}
+
+/// Sets the drag by the flow past the parts in the middle of the tick: its error falls with the square of the
+/// tick. Where drag is strong enough to act fully within a tick, it would be too strong and too weak by turns
+/// with the speeds of this tick.
+void setFlowDrag(const SoftBodyData& body, BodyMedium& medium, const Flow& air, const Flow& water,
+                 const WaterPlane& plane, double tick) {
+  const auto setWith = [&](double ticksAhead) {
+    clearDrag(medium.drag, body.state.position.cols());
+    addDragOfParts(body.model->parts, 2.0 * radiusOf(body),
+                   {medium.predicted, velocityAhead(body, medium, ticksAhead)}, air, water, plane,
+                   medium.drag);
+  };
+  setWith(0.5);
+  limitDrag(medium.drag, body.state.inverseMass);
+  const double strength = tick * fastestRate(medium.drag);
+  const double back = std::clamp((strength - kWeakDrag) / (kStrongDrag - kWeakDrag), 0.0, 1.0);
+  if (back > 0.0) setWith(0.5 - back);
 }
 
 }  // namespace
@@ -316,7 +345,8 @@ bool hasDragInAir(const SoftBodyData& body) { return airOf(body).acts() && !body
 bool isBlownAwake(const SoftBodyData& body) {
   if (!body.asleep || !body.surroundings->air.windAt || !hasDragInAir(body)) return false;
   const Vector3d last = body.medium ? body.medium->lastWind : Vector3d(Vector3d::Zero());
-  return (windAt(*body.surroundings, body.state.position.col(0)) - last).norm() > kWakingWind;
+  const Vector3d now = windAt(*body.surroundings, body.state.position.col(0), body.surroundings->time);
+  return (now - last).norm() > kWakingWind;
 }
 
 PointDrag* surroundBody(SoftBodyData& body, double tick) {
@@ -326,14 +356,13 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
   if (!inAir && !plane.isThere() && rate == 0.0) return nullptr;
   BodyMedium& medium = mediumOf(body);
   medium.drag.rate = rate;
+  medium.predicted = body.state.position + 0.5 * tick * body.state.velocity;
   Flow air = airOf(body), water;
-  if (inAir) setWindOfPoints(body, medium, air);
+  if (inAir) setWindOfPoints(body, medium, tick, air);
   if (plane.isThere()) water = waterOf(body);
   // a body that goes in and out of the water keeps its memory
   clearDrag(medium.drag, inAir || body.surroundings->water ? body.state.position.cols() : 0);
-  if (inAir || water.acts())
-    addDragOfParts(body.model->parts, 2.0 * radiusOf(body),
-                   {body.state.position, recentVelocity(body, medium)}, air, water, plane, medium.drag);
+  if (inAir || water.acts()) setFlowDrag(body, medium, air, water, plane, tick);
   if (plane.isThere()) dampByWaves(body, medium, plane, water.velocity);
   if (plane.isThere()) {
     const Bobbing bobbing = addWaterForces(body, medium, plane, tick);
