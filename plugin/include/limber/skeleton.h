@@ -52,7 +52,8 @@ class LIMBER_API Skeleton {
 
   /// Binds points of a body of the system at their present places. Errors, with nothing bound, name the bound
   /// point: no such point or bone, a point that is bound twice or was deleted, weights below 0 or with
-  /// another sum, distances out of range, a back stop without a maxDistance or without a surface.
+  /// another sum, distances out of range, a back stop without a maxDistance or without a surface; or the
+  /// bone: one that is not finite, farther than 1e6 m or without an inverse.
   static Result<Skeleton> bind(SoftBodySystem& system, SoftBody& body, const std::vector<BoundPoint>& points,
                                const std::vector<btTransform>& bones);
 

@@ -218,8 +218,9 @@ class LIMBER_API SoftBody {
   /// Returns the whole state as bytes: settings, positions, velocities, pins, masses, yielded and broken
   /// springs, sleep, impulses of contacts. From restoreState() on a body of the same network continues as
   /// this one, to the bit, in a world of the same objects with the same states. Anchors, single springs, and
-  /// forces for the coming step are not part of it. Takes about as long as reading all points; the searches
-  /// for contacts in the next tick take longer, because it also discards their caches.
+  /// forces for the coming step are not part of it. It is also saved of a body that is not alive(), which
+  /// cannot be restored. Takes about as long as reading all points; the searches for contacts in the next
+  /// tick take longer, because it also discards their caches.
   std::vector<std::uint8_t> saveState();
   /// Restores a state. Errors, with nothing changed: bytes that saveState() has not made, or that are
   /// damaged; a body of another network or kind of collision. A body that has torn since the state was saved

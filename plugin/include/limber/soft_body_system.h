@@ -92,7 +92,7 @@ class LIMBER_API SoftBodySystem {
 
   /// Creates a body of the network's shape. The world must exist. Errors, with nothing created: no or invalid
   /// network, invalid settings, a volume modulus or pressure that the network cannot have (a surface that is
-  /// not closed), a point that would be, or move, beyond 1e9 m or m/s.
+  /// not closed), a point that would be beyond 2e6 m, or move at more than 1e6 m/s.
   Result<SoftBody*> createBody(const SharedNetwork& network, const SoftBodySettings& settings = {});
 
   /// Removes the body, its anchors and every spring on it. The pointer is invalid afterwards. Error: a body
@@ -139,13 +139,15 @@ class LIMBER_API SoftBodySystem {
   /// within the distance.
   Result<std::vector<SpringConstraint*>> weld(SoftBody* a, SoftBody* b, double distance,
                                               const SpringSettings& settings = {});
-  /// Sets new settings of a spring; without a rest length it keeps the current one. Errors: invalid settings,
-  /// a spring that does not, or no longer, belong to this system.
+  /// Sets new settings of a spring; without a rest length it keeps the current one. Wakes the bodies at its
+  /// ends if they differ. Errors: invalid settings, a spring that does not, or no longer, belong to this
+  /// system.
   Result<void> changeSpring(SpringConstraint* spring, const SpringSettings& settings);
   /// Moves the end of a spring that is fixed in the world, at once; the other end is pulled along. Wakes
   /// nothing. Errors: no such spring, both ends on bodies, a pivot that is not finite or farther than 1e6 m.
   Result<void> moveSpring(SpringConstraint* spring, const btVector3& pivot);
-  /// Removes a spring. Error: one that does not, or no longer, belong to this system.
+  /// Removes a spring and wakes the bodies at its ends. Error: one that does not, or no longer, belong to
+  /// this system.
   Result<void> removeSpring(SpringConstraint* spring);
   std::size_t springCount() const;
 
@@ -166,7 +168,8 @@ class LIMBER_API SoftBodySystem {
   /// Detaches an attached point. Errors: no such soft body, a point that is not attached.
   Result<void> detach(SoftBody* softBody, std::uint32_t i);
 
-  /// Removes all springs and anchors on a rigid body. Call it before deleting a body that has any.
+  /// Removes all springs and anchors on a rigid body, and wakes what they held. Call it before deleting a
+  /// body that has any.
   void forget(const btRigidBody& body);
 
   // --- surroundings (surroundings.h), between steps. A change wakes the bodies that it may act on. ---

@@ -277,6 +277,8 @@ bool wholeInWorld(const SoftBodyData& body) {
   return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
 }
 
+bool isAlive(const SoftBodyData& body) { return body.alive && wholeInWorld(body); }
+
 void updateQueryBoxes(SoftBodyData& body) {
   if (isSurfaceBody(body)) return updateQueryBox(body);
   for (PointMass* point : body.masses.bodies)

@@ -78,6 +78,9 @@ bool anyInWorld(const SoftBodyData& body);
 /// Returns whether all of the body's objects are in a world that still exists.
 bool wholeInWorld(const SoftBodyData& body);
 
+/// See SoftBody::alive().
+bool isAlive(const SoftBodyData& body);
+
 /// Makes Bullet's queries find a body that was moved between ticks at its new place, before the next tick.
 void updateQueryBoxes(SoftBodyData& body);
 

@@ -326,12 +326,7 @@ BodyMedium& mediumOf(SoftBodyData& body) {
 
 WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& scale) {
   WettedParts parts;
-  if (network.kind == NetworkKind::Solid) {
-    SoftBodySettings settings;
-    settings.scale = scale;
-    settings.volumeModulus = 1.0;
-    parts.closed = makeVolumes(network, settings)->triangles;
-  }
+  parts.closed = closedSurfaces(network, scaledRest(network, scale)).triangles;
   if (!parts.closed.empty()) return parts;
   parts.sheets = network.surface;
   if (!parts.sheets.empty()) return parts;

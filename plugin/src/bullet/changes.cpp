@@ -118,7 +118,7 @@ void makeWhole(SoftBodyData& body) {
 }
 
 Result<void> resetBody(SoftBodyData& body, const Placement* at) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   readFromBullet(body);
   wakeNeighbours(body, false);
   makeWhole(body);
@@ -254,7 +254,7 @@ void pushAll(SoftBodyData& body, Push pushOf, bool asForce) {
 }
 
 Result<void> pushBody(SoftBodyData& body, const btVector3& push, bool asForce) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   if (Result<void> valid = checkPush(asForce ? "the force" : "the impulse", push); !valid) return valid;
   readFromBullet(body);
   const double mass = totalMass(body.state);
@@ -266,7 +266,7 @@ Result<void> pushBody(SoftBodyData& body, const btVector3& push, bool asForce) {
 }
 
 Result<void> turnBody(SoftBodyData& body, const btVector3& torque, bool asForce) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   if (Result<void> valid = checkPush("the torque", torque); !valid) return valid;
   readFromBullet(body);
   const RigidFit fit = fitRigid(body);
@@ -279,11 +279,12 @@ Result<void> turnBody(SoftBodyData& body, const btVector3& torque, bool asForce)
 }
 
 Result<void> pushPlace(SoftBodyData& body, const btVector3& push, const SurfaceHit& place, bool asForce) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   if (Result<void> valid = checkPush(asForce ? "the force" : "the impulse", push); !valid) return valid;
   if (place.body != body.handle) return Error{"the hit is not on this soft body"};
   for (const std::uint32_t point : place.points)
     if (point >= pointCount(body)) return Error{"there is no point " + std::to_string(point)};
+  if (!place.weights.allFinite()) return Error{"the weights of the hit are not finite"};
   readFromBullet(body);
   const auto pushOf = [&](Eigen::Index i) -> Vector3d {
     double weight = 0.0;
@@ -433,7 +434,7 @@ void changeRadius(SoftBodyData& body) {
 }
 
 Result<void> checkChange(const SoftBodyData& body, const SoftBodySettings& s) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   if (Result<void> valid = validate(s); !valid) return Error{"settings: " + valid.error()};
   if (s.collision != body.settings.collision)
     return Error{"settings: collision cannot change while the body lives"};

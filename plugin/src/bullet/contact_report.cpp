@@ -43,7 +43,7 @@ SoftContact contactAt(const SoftBodyData& body, const ContactSide& side, const V
   c.position = toBullet(x - radiusOf(body) * normal);
   c.normal = toBullet(normal);
   c.distance = distance;
-  c.normalImpulse = impulse.along;
+  c.normalImpulse = std::max(impulse.along, 0.0);  // solving velocities may take back a little more
   c.impulse = toBullet(impulse.sum);
   c.frictionImpulse = toBullet(impulse.sum - impulse.pressing);
   return c;

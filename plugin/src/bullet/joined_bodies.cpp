@@ -105,6 +105,22 @@ std::string checkBound(const SoftBody& body, const std::vector<BoundPoint>& poin
   return {};
 }
 
+std::string checkBones(const std::vector<btTransform>& bones) {
+  for (std::size_t b = 0; b < bones.size(); ++b)
+    if (!(toEigen(bones[b].getOrigin()).norm() <= 1e6) || !toEigen(bones[b].getBasis()).allFinite())
+      return "bone " + std::to_string(b) + " is not finite, or farther than 1e6 m";
+  return {};
+}
+
+/// A bone that points are bound to must have an inverse.
+std::string checkBoundBones(const std::vector<btTransform>& bones) {
+  if (std::string reason = checkBones(bones); !reason.empty()) return reason;
+  for (std::size_t b = 0; b < bones.size(); ++b)
+    if (!(std::abs(double(bones[b].getBasis().determinant())) > 1e-9))
+      return "bone " + std::to_string(b) + " has a basis without volume";
+  return {};
+}
+
 /// Returns the normals (#points) of the present surface; 0 for points that are not on it.
 std::vector<btVector3> pointNormals(const SoftBody& body) {
   std::vector<btVector3> normals(body.pointCount(), btVector3(0, 0, 0));
@@ -160,8 +176,9 @@ Result<void> Skeleton::hold(Follower& follower, const std::vector<btTransform>& 
 
 Result<Skeleton> Skeleton::bind(SoftBodySystem& system, SoftBody& body, const std::vector<BoundPoint>& points,
                                 const std::vector<btTransform>& bones) {
-  if (const std::string reason = checkBound(body, points, bones.size()); !reason.empty())
-    return Error{reason};
+  if (std::string reason = checkBoundBones(bones); !reason.empty()) return Error{std::move(reason)};
+  if (std::string reason = checkBound(body, points, bones.size()); !reason.empty())
+    return Error{std::move(reason)};
   Skeleton skeleton;
   skeleton.system_ = &system;
   skeleton.body_ = body.handle();
@@ -217,9 +234,7 @@ Result<void> Skeleton::moveTo(const std::vector<btTransform>& bones, bool telepo
   if (!body_) return Error{"the soft body of the skeleton has been destroyed"};
   if (bones.size() != bones_)
     return Error{std::to_string(bones.size()) + " bones, bound were " + std::to_string(bones_)};
-  for (std::size_t b = 0; b < bones.size(); ++b)
-    if (!(toEigen(bones[b].getOrigin()).norm() <= 1e6) || !toEigen(bones[b].getBasis()).allFinite())
-      return Error{"bone " + std::to_string(b) + " is not finite, or farther than 1e6 m"};
+  if (std::string reason = checkBones(bones); !reason.empty()) return Error{std::move(reason)};
   std::vector<btVector3> from;
   for (Follower& follower : followers_) {
     from.push_back(follower.place);

@@ -160,26 +160,28 @@ WholeBody wholeBodyOf(SoftBodyData& body) {
   return {toBytes(*body.model->network), saveStateOf(body), body.name};
 }
 
-/// The code of chunks of soft bodies in Bullet's files, and the start of such a file: "BULLETf" or "BULLETd",
+/// The codes of chunks of soft bodies in Bullet's files and of their last chunk, and the start of such a
+/// file: "BULLETf" or "BULLETd",
 /// '-' for 8-byte pointers, 'v' for little-endian numbers.
-constexpr char kChunkCode[] = {'L', 'I', 'M', 'B'}, kBulletFile[] = {'B', 'U', 'L', 'L', 'E', 'T'};
+constexpr char kChunkCode[] = {'L', 'I', 'M', 'B'}, kLastChunk[] = {'D', 'N', 'A', '1'},
+               kBulletFile[] = {'B', 'U', 'L', 'L', 'E', 'T'};
 constexpr std::size_t kBulletHeader = 12;
 
-/// Returns the contents of the chunks of soft bodies. A chunk has a header of its code, length, pointer, type
-/// and number.
-std::vector<Bytes> chunksOf(const Bytes& file) {
-  std::vector<Bytes> chunks;
+/// Adds the contents of the chunks of soft bodies. A chunk has a header of its code, length, pointer, type
+/// and number. Returns whether the last chunk of the file is there.
+bool addChunks(const Bytes& file, std::vector<Bytes>& chunks) {
   const std::size_t pointer = file[7] == '-' ? 8 : 4, header = 16 + pointer;
   for (std::size_t at = kBulletHeader; at + header <= file.size();) {
     const std::size_t length = readLittleEndian<std::uint32_t>(&file[at + 4]);
-    if (length > file.size() - at - header) break;
+    if (length > file.size() - at - header) return false;
+    if (std::equal(kLastChunk, kLastChunk + 4, &file[at])) return true;
     const std::uint8_t* begin = file.data() + at + header;
     if (std::equal(kChunkCode, kChunkCode + 4, &file[at]) && length >= kHeaderBytes)
       // without the padding
       chunks.emplace_back(begin, begin + std::min(length, sealedSize(begin)));
     at += header + length;
   }
-  return chunks;
+  return false;
 }
 
 bool isBulletFile(const Bytes& bytes) {
@@ -191,7 +193,9 @@ bool isBulletFile(const Bytes& bytes) {
 std::string readBodies(const Bytes& bytes, std::vector<WholeBody>& bodies) {
   if (isBulletFile(bytes)) {
     if (bytes[8] != 'v') return "the .bullet file has big-endian numbers";
-    for (const Bytes& chunk : chunksOf(bytes))
+    std::vector<Bytes> chunks;
+    if (!addChunks(bytes, chunks)) return "the .bullet file is damaged: it has no end (a chunk DNA1)";
+    for (const Bytes& chunk : chunks)
       if (std::string reason = readBodies(chunk, bodies); !reason.empty()) return reason;
     return {};
   }

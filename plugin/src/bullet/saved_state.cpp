@@ -249,6 +249,7 @@ void savePoints(const SoftBodyData& body, BodyState& s) {
   s.pinned.assign(pointCount(body), 0);
   s.pinTarget.assign(std::size_t{3} * pointCount(body), 0.0);
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
+    if (!body.masses.bodies[i]) continue;  // deleted by the application
     const PointMass& point = *body.masses.bodies[i];
     s.pinned[i] = point.isKinematicObject();
     const btScalar own = static_cast<btScalar>(body.model->masses[i]);
@@ -290,7 +291,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.settings = body.settings;
   savePoints(body, s);
   saveSprings(body, s);
-  saveImpulses(body, s);
+  if (isAlive(body)) saveImpulses(body, s);
   s.frame = body.surface.frame;
   s.asleep = body.asleep;
   s.calmTime = body.calmTime;
@@ -432,6 +433,7 @@ Bytes saveStateOf(SoftBodyData& body) {
     const BodyState state = stateOf(body);
     transferState(writer, state);
   });
+  if (!isAlive(body)) return bytes;  // the world may be gone
   forgetCaches(body);
   // the boxes of points are from the last tick
   if (!isSurfaceBody(body)) updateQueryBoxes(body);
@@ -450,7 +452,7 @@ Result<void> checkStateFor(const SoftBodyData& body, const Bytes& bytes) {
 }
 
 Result<void> restoreStateOf(SoftBodyData& body, const Bytes& bytes) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   Result<BodyState> state = readState(body, bytes);
   if (!state) return Error{state.error()};
   if (Result<void> changed = changeSettings(body, state->settings); !changed) return changed;

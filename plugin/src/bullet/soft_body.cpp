@@ -41,7 +41,7 @@ const SoftBodySettings& SoftBody::settings() const { return data_->settings; }
 std::uint32_t SoftBody::pointCount() const {
   return static_cast<std::uint32_t>(data_->model->network->restPoints.size());
 }
-bool SoftBody::alive() const { return data_->alive && wholeInWorld(*data_); }
+bool SoftBody::alive() const { return isAlive(*data_); }
 const std::string& SoftBody::name() const { return data_->name; }
 void SoftBody::setName(std::string name) { data_->name = std::move(name); }
 void* SoftBody::userPointer() const { return data_->userPointer; }
@@ -199,7 +199,8 @@ Result<void> SoftBody::movePin(std::uint32_t i, const btVector3& target) {
 
 Result<void> SoftBody::unpin(std::uint32_t i) {
   if (i >= pointCount()) return noPoint(*this, i);
-  if (!pinned(i)) return notPinned(i);
+  if (!pinned(i)) return point(i) ? notPinned(i) : noPoint(*this, i);
+  if (!alive()) return notAlive();
   setPinned(*data_, i, false);
   wake();
   return {};
@@ -309,7 +310,7 @@ SurfaceReference findSurface(const btCollisionObject* object) {
 
 SurfaceHit surfaceHit(const btCollisionObject* object, int triangleIndex, const btVector3& place) {
   const SurfaceObject* surface = SurfaceObject::from(object);
-  if (!surface || !surface->owner() || triangleIndex < 0) return {};
+  if (!surface || !surface->owner() || triangleIndex < 0 || !isFinite(place)) return {};
   const SoftBodyData& body = *surface->owner();
   const auto index = static_cast<std::size_t>(triangleIndex);
   if (index < body.model->network->surface.size()) return hitOnTriangle(body, index, toEigen(place));

@@ -247,13 +247,31 @@ Error foreignSpring() { return {"the spring is not, or no longer, one of this sy
 
 }  // namespace
 
+namespace {
+
+bool isSame(const SpringSettings& a, const SpringSettings& b) {
+  return a.restLength == b.restLength && a.stiffness == b.stiffness && a.damping == b.damping &&
+         a.action == b.action && a.breakForce == b.breakForce;
+}
+
+/// Wakes what a spring holds. Users may have deleted bodies, so only those in the world are accessed.
+void wakeEnds(const SpringConstraint& spring, btDiscreteDynamicsWorld& world, const btRigidBody* butNot) {
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  for (btRigidBody* body : {spring.endA().body, spring.endB().body})
+    if (body && body != butNot && objects.findLinearSearch(body) < objects.size()) body->activate();
+}
+
+}  // namespace
+
 Result<void> SoftBodySystem::changeSpring(SpringConstraint* spring, const SpringSettings& settings) {
   if (find(impl_->springs, spring) == impl_->springs.end()) return foreignSpring();
   if (Result<void> valid = validate(settings); !valid) return valid;
-  const double restLength = settings.restLength.value_or(*spring->settings_.restLength);
-  spring->settings_ = settings;
-  spring->settings_.restLength = restLength;
+  SpringSettings now = settings;
+  if (!now.restLength) now.restLength = spring->settings_.restLength;
+  if (!spring->broken_ && isSame(now, spring->settings_)) return {};
+  spring->settings_ = now;
   spring->broken_ = false;
+  if (impl_->worldAlive()) wakeEnds(*spring, *impl_->world, nullptr);
   impl_->step->groupsStale = true;
   return {};
 }
@@ -262,6 +280,7 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
   const auto found = find(impl_->springs, spring);
   if (found == impl_->springs.end()) return foreignSpring();
   impl_->step->forgetGroups();
+  if (impl_->worldAlive()) wakeEnds(*spring, *impl_->world, nullptr);
   impl_->springs.erase(found);
   impl_->unhookIfIdle(impl_->worldAlive());
   return {};
@@ -269,7 +288,12 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
 
 /// Removes the springs on a body from all systems: a system may have springs on another's points.
 void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
-  const auto isOn = [&](const auto& s) { return s->endA().body == &body || s->endB().body == &body; };
+  const bool inWorld = worldAlive();
+  const auto isOn = [&](const auto& s) {
+    if (s->endA().body != &body && s->endB().body != &body) return false;
+    if (inWorld) wakeEnds(*s, *world, &body);
+    return true;
+  };
   step->forgetGroups();
   for (Impl* system : step->systems) {
     SpringList& all = system->springs;

@@ -230,7 +230,7 @@ bool isOver(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vecto
 }
 
 Result<std::uint32_t> makeCut(SoftBodyData& body, const Cut& cut) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   readFromBullet(body);
   const Elements elements = elementsOf(*body.model->network);
   SplitRequest request;
@@ -250,7 +250,7 @@ Result<std::uint32_t> makeCut(SoftBodyData& body, const Cut& cut) {
 
 /// Makes a cut, now or, within a tick, at the start of the next one.
 Result<std::uint32_t> cutBody(SoftBodyData& body, const Cut& cut) {
-  if (!body.alive) return notAlive();
+  if (!isAlive(body)) return notAlive();
   if (!body.inTick || !*body.inTick) return makeCut(body, cut);
   body.cuts.push_back(cut);
   *body.groupsStale = true;  // the next tick divides bodies

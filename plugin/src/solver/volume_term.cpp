@@ -16,13 +16,14 @@ bool isClosed(const EdgeDefects& defects) {
   return defects.open + defects.nonManifold + defects.inconsistent == 0;
 }
 
-bool mayHaveVolume(const SpringNetwork& network) {
-  return network.kind == NetworkKind::Solid && !network.surface.empty() && network.tetrahedra.empty();
+bool hasSurface(const SpringNetwork& network) {
+  return network.kind == NetworkKind::Solid && !network.surface.empty();
 }
 
+bool mayHaveVolume(const SpringNetwork& network) { return hasSurface(network) && network.tetrahedra.empty(); }
+
 std::string whyNoVolume(const SpringNetwork& network) {
-  if (network.kind != NetworkKind::Solid || network.surface.empty())
-    return "a rope or cloth encloses no volume";
+  if (!hasSurface(network)) return "a rope or cloth encloses no volume";
   if (!network.tetrahedra.empty()) return "a body of tetrahedra has no room for gas";
   const EdgeDefects defects = findEdgeDefects(network.surface);
   if (isClosed(defects)) return "the surface encloses nothing: it is flat";
@@ -223,15 +224,21 @@ std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& se
   return std::string(asked) + ": " + whyNoVolume(network);
 }
 
+VolumeConstants closedSurfaces(const SpringNetwork& network, const Points& rest) {
+  VolumeConstants v;
+  v.firstTriangle = {0};
+  v.componentOf.assign(network.restPoints.size(), 0);
+  if (!hasSurface(network)) return v;
+  for (const std::vector<Triangle>& component : trianglesByComponent(network))
+    if (isClosed(findEdgeDefects(component))) addComponent(v, component, rest);
+  return v;
+}
+
 VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings) {
   const double gasPressure = settings.pressure + settings.ambientPressure;
   if (!mayHaveVolume(network) || (settings.volumeModulus == 0.0 && gasPressure == 0.0)) return {};
   const Points rest = scaledRest(network, settings.scale);
-  VolumeConstants v;
-  v.firstTriangle = {0};
-  v.componentOf.assign(network.restPoints.size(), 0);
-  for (const std::vector<Triangle>& component : trianglesByComponent(network))
-    if (isClosed(findEdgeDefects(component))) addComponent(v, component, rest);
+  VolumeConstants v = closedSurfaces(network, rest);
   double volume = 0.0;
   for (const double one : v.restVolume) volume += one;
   const double stiffness = std::max(settings.extensionStiffness, settings.compressionStiffness);

@@ -63,6 +63,10 @@ double networkModulus(const SpringNetwork& network, const Eigen::Vector3d& scale
 /// empty string.
 std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& settings);
 
+/// Returns the closed surfaces of a solid, also of one of tetrahedra, without modulus and gas. Components
+/// that enclose almost nothing are left out.
+VolumeConstants closedSurfaces(const SpringNetwork& network, const Points& rest);
+
 /// Makes the volume term of a body with these settings: for each closed component of its surface. The result
 /// is empty if there is no such component, or if volumeModulus and pressure are 0.
 VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& settings);
