@@ -305,6 +305,30 @@ TEST(Change, errorsChangeNothing) {
   EXPECT_TRUE(world.body->settings().groups.empty());
 }
 
+/// In the tick after the application has removed an object, and before it.
+TEST(Change, bodiesThatAreNotAliveRefuseAllChanges) {
+  World world;
+  SoftBody* body = world.body;
+  ASSERT_TRUE(body->pin(0));
+  btRigidBody* object = body->surfaceObject() ? body->surfaceObject() : body->point(3);
+  world.bullet.world->removeRigidBody(object);
+  ASSERT_FALSE(body->alive());
+  SoftBodySettings heavier = body->settings();
+  heavier.totalMass = 5.0;
+  const btVector3 up(0, 1, 0);
+  const btTransform place(btQuaternion::getIdentity(), up);
+  for (const Result<void>& result :
+       {body->change(heavier), body->reset(), body->reset(place), body->setTransform(place),
+        body->setVelocity(up, up), body->applyForce(up), body->applyForce(up, 1), body->applyTorque(up),
+        body->applyImpulse(up), body->applyImpulse(up, 1), body->applyTorqueImpulse(up),
+        body->applyBlast(up, 1, 1), body->pin(1), body->movePin(0, up), body->teleportPin(0, up),
+        body->unpin(0), body->restoreState(body->saveState())})
+    EXPECT_EQ(result.error(), "the soft body is disabled, see alive()");
+  EXPECT_EQ(body->cut(up, up).error(), "the soft body is disabled, see alive()");
+  EXPECT_DOUBLE_EQ(body->settings().totalMass, 1.0);
+  EXPECT_TRUE(body->pinned(0));
+}
+
 // --- groups ------------------------------------------------------------------------------------------------
 
 TEST(ChangeOfGroups, factorsApplyToTheirSpringsAndPoints) {

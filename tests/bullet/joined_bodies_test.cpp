@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -268,6 +269,14 @@ TEST(BoundSkeleton, badBindingsAreNamedAndPinNothing) {
             "bound point 0: maxDistance must be from 0 to 1e6");
   EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}, 0.0, 0.1}}, bones).error(),
             "bound point 0: a back stop needs a maxDistance above 0");
+  const btScalar lostAt = std::numeric_limits<btScalar>::quiet_NaN();
+  for (const btScalar x : {lostAt, btScalar(1e7)})
+    EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, {bone(x, 0)}).error(),
+              "bone 0 is not finite, or farther than 1e6 m");
+  btTransform crushed = bones[0];
+  crushed.setBasis(btMatrix3x3(0, 0, 0, 0, 0, 0, 0, 0, 0));
+  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, {crushed}).error(),
+            "bone 0 has a basis without volume");
   EXPECT_FALSE(body->pinned(0));
   EXPECT_EQ(system.springCount(), 0u);
   auto skeleton = Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, bones);

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 namespace limber {
 namespace {
@@ -179,6 +180,55 @@ TEST(Spring, settingsCanBeChangedWhileRunning) {
   EXPECT_DOUBLE_EQ(*spring->settings().restLength, 1.0);
   bullet.simulate(4.0);
   EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), -9.81 / 500, 1e-4);
+}
+
+/// A cube that sleeps on four cables, and what then changes them.
+double fallAfter(
+    const std::function<void(SoftBodySystem&, const std::vector<SpringConstraint*>&, btRigidBody&)>& change) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* crane = bullet.addBox(test::vec(1, 0.1, 1), 0.0, test::vec(0, 3, 0));
+  SoftBodySettings s = test::testedSettings();
+  s.damping = 20.0;
+  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SpringSettings cable;
+  cable.stiffness = 500.0;
+  cable.damping = 20.0;
+  std::vector<SpringConstraint*> cables;
+  for (std::uint32_t i = 0; i < body->pointCount(); ++i) {
+    const Eigen::Vector3d x = body->position(i);
+    if (x.y() > 0.0)
+      cables.push_back(*system.addSpring({crane, test::vec(x.x(), -0.1, x.z())}, {body->point(i)}, cable));
+  }
+  for (int i = 0; i < 1200 && !body->sleeping(); ++i) bullet.tick();
+  EXPECT_TRUE(body->sleeping());
+  const double before = body->centerOfMass().y();
+  change(system, cables, *crane);
+  bullet.simulate(0.5);
+  return before - body->centerOfMass().y();
+}
+
+TEST(Spring, changesAndRemovalWakeWhatItHolds) {
+  using Cables = std::vector<SpringConstraint*>;
+  EXPECT_NEAR(fallAfter([](SoftBodySystem&, const Cables&, btRigidBody&) {}), 0.0, 1e-9);
+  const auto keep = [](SoftBodySystem& system, const Cables& cables, btRigidBody&) {
+    for (SpringConstraint* cable : cables) EXPECT_TRUE(system.changeSpring(cable, cable->settings()));
+  };
+  EXPECT_NEAR(fallAfter(keep), 0.0, 1e-9) << "the same settings change nothing";
+  const auto remove = [](SoftBodySystem& system, const Cables& cables, btRigidBody&) {
+    for (SpringConstraint* cable : cables) EXPECT_TRUE(system.removeSpring(cable));
+  };
+  EXPECT_GT(fallAfter(remove), 1.0);
+  const auto forget = [](SoftBodySystem& system, const Cables&, btRigidBody& crane) { system.forget(crane); };
+  EXPECT_GT(fallAfter(forget), 1.0);
+  const auto winch = [](SoftBodySystem& system, const Cables& cables, btRigidBody&) {
+    for (SpringConstraint* cable : cables) {
+      SpringSettings shorter = cable->settings();
+      *shorter.restLength -= 0.1;
+      EXPECT_TRUE(system.changeSpring(cable, shorter));
+    }
+  };
+  EXPECT_LT(fallAfter(winch), -0.05);
 }
 
 TEST(Spring, badOnesAreRefusedWithTheReason) {

@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <random>
 #include <sstream>
 #include <string>
@@ -275,6 +276,22 @@ TEST(SavedState, damagedBytesAreRefusedAndChangeNothing) {
             "the saved state has 8 bodies, the system 0");
 }
 
+/// A body that is not alive keeps others from being saved as little as from being stepped.
+TEST(SavedState, isSavedOfDeadBodiesButNotRestored) {
+  auto bullet = std::make_unique<BulletWorld>();
+  SoftBodySystem system(*bullet->world);
+  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  bullet->tick();
+  delete body->point(2);
+  ASSERT_FALSE(body->alive());
+  const Bytes state = body->saveState();
+  EXPECT_FALSE(state.empty());
+  EXPECT_FALSE(system.saveState().empty());
+  EXPECT_EQ(body->restoreState(state).error(), "the soft body is disabled, see alive()");
+  bullet.reset();
+  EXPECT_FALSE(body->saveState().empty()) << "the world has gone";
+}
+
 TEST(SavedState, aCloneMovesLikeTheOriginal) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
@@ -340,6 +357,13 @@ TEST(SavedBodies, areInBulletsFiles) {
   ASSERT_EQ(bodies->size(), old.system.bodyCount());
   EXPECT_EQ((*bodies)[2]->name(), "on the ball");
   expectEqualContinuation(old, loaded);
+  for (std::size_t size = 12; size < bytes.size(); size += bytes.size() / 50) {
+    BulletWorld bullet;
+    SoftBodySystem none(*bullet.world);
+    const auto cut = none.loadBodies(Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size)));
+    EXPECT_EQ(cut.error(), "the .bullet file is damaged: it has no end (a chunk DNA1)") << size;
+    EXPECT_EQ(none.bodyCount(), 0u);
+  }
 }
 
 TEST(SavedBodies, damagedFilesAreRefusedAndCreateNothing) {

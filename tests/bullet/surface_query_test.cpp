@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace limber {
 namespace {
 
@@ -107,6 +109,11 @@ TEST_F(SurfaceQuery, whatIsNoTriangleIsNoHit) {
   EXPECT_EQ(surfaceHit(object, -1, btVector3(0, 0, 0)).body, nullptr);
   EXPECT_EQ(surfaceHit(body->point(0), 0, btVector3(0, 0, 0)).body, nullptr);
   EXPECT_EQ(surfaceHit(nullptr, 0, btVector3(0, 0, 0)).body, nullptr);
+  const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+  EXPECT_EQ(surfaceHit(object, 0, btVector3(nan, 0, 0)).body, nullptr);
+  SurfaceHit hit = surfaceHit(object, 0, btVector3(0, 0, 0));
+  hit.weights[1] = double(nan);
+  EXPECT_EQ(body->applyImpulse(btVector3(0, 1, 0), hit).error(), "the weights of the hit are not finite");
 }
 
 TEST_F(SurfaceQuery, aPlaceBesideATriangleIsMovedToItsNearestSide) {

@@ -276,6 +276,21 @@ TEST_F(SurroundingsTest, aBoxFloatsAtItsDraught) {
   }
 }
 
+/// Tetrahedra fill a body and leave its surface to the water.
+TEST_F(SurroundingsTest, aBoxOfTetrahedraFloatsAtItsDraught) {
+  setWater(0.0);
+  MaterialMesh mesh;
+  mesh.points = 40;
+  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  SoftBodySettings s = usualSettings();
+  s.position = {0, 0.1, 0};
+  s = *withMaterial(*block, Material{1e6, 0.3, 250.0, 0.003}, s);
+  const SoftBody* body = add(block, s);
+  bullet.simulate(20.0);
+  // a cube of this density floats on an edge: a triangle of a quarter of its section is under water
+  EXPECT_NEAR(heightOf(*body), std::sqrt(0.5) - 0.5, 0.01);
+}
+
 TEST_F(SurroundingsTest, itBobsWithItsPeriodAndKeepsTheEnergy) {
   setWater(0.0);
   SoftBodySettings s = stiffSolid(200.0);

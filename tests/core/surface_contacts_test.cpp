@@ -177,6 +177,22 @@ TEST(SurfaceContacts, anEdgePressedFlatStaysInContact) {
   EXPECT_TRUE(contactsAt(-0.02, bearing).empty()) << "the face is concave";
 }
 
+/// Over a ridge whose fold is small beside that of an edge, the feet of the ball's centre are beside both
+/// faces: the ball touches the ridge itself.
+TEST(SurfaceContacts, aBallTouchesARidgeHoweverFlat) {
+  const double r = 0.3, radiusSum = r + kRadius;
+  for (const double height : {0.01, 0.003, 0.001, 1e-4, 1e-5, 1e-6, 0.0}) {
+    MovingShape ball = test::sphereShape(r), soft = cube();
+    for (const Eigen::Index end : {2, 7}) soft.position(1, end) += height;  // of the diagonal of the top
+    const Vector3d a = soft.position.col(2), b = soft.position.col(7), foot = 0.6 * a + 0.4 * b;
+    ball.position.col(0) = foot + Vector3d(0, radiusSum + 0.001, 0);
+    const auto found = test::contactsOf(ball, soft, kMargin);
+    ASSERT_EQ(found.size(), 1u) << height;
+    EXPECT_NEAR(found[0].gap, 0.001, 1e-4 * height + kRounding) << height;
+    EXPECT_GT(std::abs(found[0].normal.y()), 0.9999);
+  }
+}
+
 /// A ball above the edge between two faces, above a corner, and above faces.
 TEST(SurfaceContacts, ballTouchesWhatIsNearest) {
   const double r = 0.05, radiusSum = r + kRadius;

@@ -254,14 +254,29 @@ bool isSame(const SpringSettings& a, const SpringSettings& b) {
          a.action == b.action && a.breakForce == b.breakForce;
 }
 
-/// Wakes what a spring holds. Users may have deleted bodies, so only those in the world are accessed.
-void wakeEnds(const SpringConstraint& spring, btDiscreteDynamicsWorld& world, const btRigidBody* butNot) {
-  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  for (btRigidBody* body : {spring.endA().body, spring.endB().body})
-    if (body && body != butNot && objects.findLinearSearch(body) < objects.size()) body->activate();
+}  // namespace
+
+/// Wakes what a spring holds. The user may have deleted a rigid body, so only those in the world are
+/// accessed.
+void SoftBodySystem::Impl::wakeEnds(const SpringConstraint& spring, const btRigidBody* butNot) const {
+  if (!worldAlive()) return;
+  const btCollisionObjectArray& objects = world->getCollisionObjectArray();
+  for (btRigidBody* end : {spring.endA().body, spring.endB().body}) {
+    if (!end || end == butNot) continue;
+    if (SoftBody* body = ownerOf(*end)) body->wake();
+    if (objects.findLinearSearch(end) < objects.size()) end->activate();
+  }
 }
 
-}  // namespace
+/// Returns the body of any system that has this point, which need not exist; nullptr if none has.
+SoftBody* SoftBodySystem::Impl::ownerOf(const btRigidBody& point) const {
+  for (const Impl* system : step->systems)
+    for (const auto& body : system->bodies) {
+      const std::vector<PointMass*>& points = body->data_->masses.bodies;
+      if (std::find(points.begin(), points.end(), &point) != points.end()) return body.get();
+    }
+  return nullptr;
+}
 
 Result<void> SoftBodySystem::changeSpring(SpringConstraint* spring, const SpringSettings& settings) {
   if (find(impl_->springs, spring) == impl_->springs.end()) return foreignSpring();
@@ -271,7 +286,7 @@ Result<void> SoftBodySystem::changeSpring(SpringConstraint* spring, const Spring
   if (!spring->broken_ && isSame(now, spring->settings_)) return {};
   spring->settings_ = now;
   spring->broken_ = false;
-  if (impl_->worldAlive()) wakeEnds(*spring, *impl_->world, nullptr);
+  impl_->wakeEnds(*spring, nullptr);
   impl_->step->groupsStale = true;
   return {};
 }
@@ -280,7 +295,7 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
   const auto found = find(impl_->springs, spring);
   if (found == impl_->springs.end()) return foreignSpring();
   impl_->step->forgetGroups();
-  if (impl_->worldAlive()) wakeEnds(*spring, *impl_->world, nullptr);
+  impl_->wakeEnds(*spring, nullptr);
   impl_->springs.erase(found);
   impl_->unhookIfIdle(impl_->worldAlive());
   return {};
@@ -288,10 +303,9 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
 
 /// Removes the springs on a body from all systems: a system may have springs on another's points.
 void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
-  const bool inWorld = worldAlive();
   const auto isOn = [&](const auto& s) {
     if (s->endA().body != &body && s->endB().body != &body) return false;
-    if (inWorld) wakeEnds(*s, *world, &body);
+    wakeEnds(*s, &body);
     return true;
   };
   step->forgetGroups();

@@ -47,6 +47,8 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
   bool detach(SoftBody* softBody, std::uint32_t i);
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
+  void wakeEnds(const SpringConstraint& spring, const btRigidBody* butNot) const;
+  SoftBody* ownerOf(const btRigidBody& point) const;
   bool worldAlive() const;
   void watchSteps();
   void clearForcesOnNewStep();

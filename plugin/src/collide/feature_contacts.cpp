@@ -162,8 +162,9 @@ Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_t trian
 
 /// The tolerances of an edge's normal cone.
 struct ConeTolerance {
-  double sine;           ///< of an angle outside the cone
-  bool flatToo = false;  ///< flat edges have a cone, also slightly concave ones
+  double sine;                  ///< of an angle outside the cone
+  bool flatToo = false;         ///< flat edges have a cone, also slightly concave ones
+  double flatFold = kFlatFold;  ///< about rad: an edge with a smaller fold angle is flat
 };
 
 /// Whether the edge is convex and `outward` is between the normals of its triangles (its Gauss arc). The arc
@@ -176,7 +177,7 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
   if (second == kNoFeature) return outward.dot(in0) <= tolerance.sine;
   const Vector3d in1 = inwardFrom(surface, time, edge, second);
   const double fold = (in0 + in1).norm();
-  const bool isFlat = fold < kFlatFold;
+  const bool isFlat = fold < tolerance.flatFold;
   if (isFlat ? !tolerance.flatToo : outward.dot(in0 + in1) >= 0.0) return false;
   const double maxSine = isFlat ? tolerance.sine : std::min(tolerance.sine, 0.25 * fold);
   if (outward.dot(in0) > maxSine || outward.dot(in1) > maxSine) return false;
@@ -411,6 +412,16 @@ bool areParallel(const Vector3d& a, const Vector3d& b) {
   return a.cross(b).squaredNorm() <= kSine * kSine * a.squaredNorm() * b.squaredNorm();
 }
 
+/// Returns the tolerance of an edge of this length (m) for a vertex. The feet of the centre of a ball beside
+/// a convex edge of the fold angle f are outside both triangles by up to R f / 2: a smaller angle is flat
+/// only if that is within the tolerance of feet.
+ConeTolerance vertexTolerance(const MovingSurface& own, const MovingSurface& other, double length) {
+  ConeTolerance tolerance{kVertexTolerance};
+  if (isRound(own, other))
+    tolerance.flatFold = std::min(kFlatFold, 2.0 * kFootTolerance * length / own.radius);
+  return tolerance;
+}
+
 double depthLimit(const SurfaceTopology& t, std::uint32_t edge) {
   double limit = 1e300;
   for (const std::uint32_t i : t.edgeTriangles[edge])
@@ -497,13 +508,15 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
   const auto nearest = findFeatureContact(vertex, segment, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever || nearest.b.minCoeff() <= 0.0) return;
   const Vector3d outward = directionBetween(nearest, vertex, segment);
-  if (!isInNormalCone(other, nearest.time, edge, outward, {kVertexTolerance})) return;
+  const double length = edgeVector(segment, 0.0).norm();
+  const ConeTolerance tolerance = vertexTolerance(own, other, length);
+  if (!isInNormalCone(other, nearest.time, edge, outward, tolerance)) return;
   const Vector3d motion = vertex.motion - segment.motion * nearest.b;
   const double gap = nearest.distance - pair.radiusSum();
   if (!vertexTouches(pair, ofB, {v, -outward, motion, nearest.time, gap})) return;
   addCandidate(pair, ofB, ofB ? kEdgeVertex : kVertexEdge,
-               {atVertex(v), onEdge(*other.topology, edge, nearest.b), outward, 0.0, nearest.time},
-               edgeVector(segment, 0.0).norm(), contactVertex(pair, v, ofB), search);
+               {atVertex(v), onEdge(*other.topology, edge, nearest.b), outward, 0.0, nearest.time}, length,
+               contactVertex(pair, v, ofB), search);
 }
 
 void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
