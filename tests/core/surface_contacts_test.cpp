@@ -193,6 +193,20 @@ TEST(SurfaceContacts, aBallTouchesARidgeHoweverFlat) {
   }
 }
 
+/// In a shallow dent a ball touches both faces, since each may give way by itself; points of the usual radius
+/// touch one.
+TEST(SurfaceContacts, aBallInAShallowDentTouchesBothFaces) {
+  for (const double r : {0.3, 0.005}) {
+    MovingShape ball = test::sphereShape(r), soft = cube();
+    for (const Eigen::Index end : {2, 7}) soft.position(1, end) -= 0.02;  // of the diagonal of the top
+    const Vector3d foot = 0.5 * (soft.position.col(2) + soft.position.col(7));
+    ball.position.col(0) = foot + Vector3d(0, r + kRadius + 0.002, 0);
+    const auto found = test::contactsOf(ball, soft, 0.01);
+    ASSERT_EQ(found.size(), r > 0.1 ? 2u : 1u) << r;
+    for (const SurfaceContact& c : found) EXPECT_EQ(c.b.kind, FeatureKind::OnTriangle);
+  }
+}
+
 /// A ball above the edge between two faces, above a corner, and above faces.
 TEST(SurfaceContacts, ballTouchesWhatIsNearest) {
   const double r = 0.05, radiusSum = r + kRadius;

@@ -27,6 +27,24 @@ namespace {
 /// A round surface is at least this many times thicker than the other.
 constexpr double kRoundRatio = 2.0;
 
+/// Whether `surface` has no triangles and is much thicker than the other, as a ball or a capsule.
+bool isRound(const MovingSurface& surface, const MovingSurface& other) {
+  return surface.topology->triangles.empty() && surface.radius > kRoundRatio * other.radius;
+}
+
+/// Cosine of the largest angle between equal directions, and the fraction of the feature size up to which the
+/// contact points of a round surface are then equal. Farther apart they support it at several places: in a
+/// shallow dent it touches features that move on their own.
+constexpr double kSameDirection = 0.995, kSamePlace = 0.05;
+
+double sameDirection(const SurfacePair& pair, double featureSize) {
+  const double radius = isRound(pair.a, pair.b)   ? pair.a.radius
+                        : isRound(pair.b, pair.a) ? pair.b.radius
+                                                  : 0.0;
+  const double angle = radius > 0.0 ? kSamePlace * featureSize / radius : 1.0;
+  return std::max(kSameDirection, 1.0 - 0.5 * angle * angle);
+}
+
 bool shareVertex(const SurfacePoint& a, const SurfacePoint& b) {
   return std::any_of(a.points.begin(), a.points.end(), [&](std::uint32_t v) {
     return std::find(b.points.begin(), b.points.end(), v) != b.points.end();
@@ -56,11 +74,6 @@ bool areCloseAtRest(const SurfacePair& pair, const SurfacePoint& a, const Surfac
   return distanceAtRest(pair.a.topology->rest, a, b) <= pair.radiusSum() + pair.margin - pair.extraMargin;
 }
 
-/// Whether `surface` has no triangles and is much thicker than the other, as a ball or a capsule.
-bool isRound(const MovingSurface& surface, const MovingSurface& other) {
-  return surface.topology->triangles.empty() && surface.radius > kRoundRatio * other.radius;
-}
-
 SurfacePoint atVertex(std::uint32_t v) { return {FeatureKind::OnVertex, v, {v, v, v}, Vector3d::UnitX()}; }
 
 SurfacePoint onEdge(const SurfaceTopology& t, std::uint32_t edge, const Eigen::Vector2d& weights) {
@@ -86,7 +99,7 @@ void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, Surfa
   c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
   c.key = keyOf(rank, c.a.feature, c.b.feature);
   const Vector3d point = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
-  search.candidates.push_back({c, point, featureSize, vertex, rank});
+  search.candidates.push_back({c, point, featureSize, vertex, rank, sameDirection(pair, featureSize)});
 }
 
 MovingFeature<1> vertexOf(const MovingSurface& surface, std::uint32_t v) {

@@ -84,15 +84,13 @@ void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
 
 // --- duplicate contacts ------------------------------------------------------------------------------------
 
-/// Cosine of the largest angle between equal directions.
-constexpr double kSameDirection = 0.995;
 /// Fraction of the feature size within which contact points are the same.
 constexpr double kSamePointTolerance = 1e-3;
 
 using Candidates = std::vector<FeatureCandidate>;
 
 bool haveSameDirection(const FeatureCandidate& x, const FeatureCandidate& y) {
-  return x.contact.normal.dot(y.contact.normal) > kSameDirection;
+  return x.contact.normal.dot(y.contact.normal) > std::max(x.sameDirection, y.sameDirection);
 }
 
 template <class Order>

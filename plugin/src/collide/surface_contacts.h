@@ -41,6 +41,7 @@ struct FeatureCandidate {
   double featureSize = 0.0;                         ///< m
   std::uint64_t vertex = kNoVertex;                 ///< identifies the touching vertex and its side
   std::uint8_t rank = 0;                            ///< ContactRank
+  double sameDirection = 0.0;                       ///< cosine of the largest angle between equal directions
   bool dropped = false;
 };
 
