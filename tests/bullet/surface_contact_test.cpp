@@ -540,5 +540,22 @@ TEST(SurfaceContact, aBallOnAWavyClothComesToRest) {
   }
 }
 
+/// The hull of level spheres is flat on top. Round parts of hulls are polyhedra, which end in its plane.
+TEST(SurfaceContact, aCubeLiesOnLevelSpheresAtTheirHeight) {
+  for (const double size : {1.0, 2.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    const btVector3 centers[] = {vec(-0.7, -0.3, -0.7), vec(0.7, -0.3, -0.7), vec(-0.7, -0.3, 0.7),
+                                 vec(0.7, -0.3, 0.7)};
+    const btScalar radii[] = {btScalar(0.3), btScalar(0.3), btScalar(0.3), btScalar(0.3)};
+    auto spheres = std::make_unique<btMultiSphereShape>(centers, radii, 4);
+    spheres->setLocalScaling(vec(size, size, size));
+    bullet.add(std::move(spheres), 0, vec(0, 0, 0));
+    SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.55, 0}));
+    bullet.simulate(5.0);
+    EXPECT_NEAR(lowest(*cube), kRadius, 1e-5) << size;
+  }
+}
+
 }  // namespace
 }  // namespace limber

@@ -127,10 +127,25 @@ bool forEachCorner(const btCollisionShape& shape, Visit visit) {
   return polyhedron.getNumVertices() > 0;
 }
 
+/// Adds the ends of all spheres along the axes: bodies rest on level spheres at their height. One supporting
+/// vertex would be on one of the spheres alone.
+void addEnds(const btMultiSphereShape& shape, std::vector<btVector3>& corners) {
+  const btVector3& scaling = shape.getLocalScaling();
+  for (int i = 0; i < shape.getSphereCount(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const btScalar side : {btScalar(-1), btScalar(1)}) {
+        btVector3 end = shape.getSpherePosition(i);
+        end[axis] += side * shape.getSphereRadius(i);
+        corners.push_back(end * scaling);
+      }
+}
+
 /// Takes the shape's supporting vertices in directions on circles around the axis. Every rim of a round shape
 /// gets kCornersAround of them.
 ShapeSurface roundSurface(const btConvexShape& shape, int axis) {
   std::vector<btVector3> corners;
+  if (shape.getShapeType() == MULTI_SPHERE_SHAPE_PROXYTYPE)
+    addEnds(static_cast<const btMultiSphereShape&>(shape), corners);
   for (int ring = -8; ring <= 8; ++ring)
     for (int i = 0; i < kCornersAround; ++i) {
       const double height = ring * double(SIMD_HALF_PI) / 8.5,
