@@ -138,6 +138,36 @@ Eigen::Vector3d normalOf(const Eigen::Matrix<double, 3, N>& triangle) {
   return (triangle.col(1) - triangle.col(0)).cross(triangle.col(2) - triangle.col(0)).normalized();
 }
 
+// --- normal cones ------------------------------------------------------------------------------------------
+
+// Two points are locally the nearest of two surfaces if the direction between them is in the normal cones of
+// both surfaces, at the given time of the tick. `outward` is a unit vector away from the surface.
+
+/// About rad: an edge with a smaller fold angle is flat.
+constexpr double kFlatFold = 0.02;
+
+/// The tolerances of an edge's normal cone.
+struct ConeTolerance {
+  double sine;                  ///< of an angle outside the cone
+  bool flatToo = false;         ///< flat edges have a cone, also slightly concave ones
+  double flatFold = kFlatFold;  ///< about rad: an edge with a smaller fold angle is flat
+};
+
+Eigen::Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_t triangle);
+
+/// Whether the edge is convex and `outward` is between the normals of its triangles (its Gauss arc). The arc
+/// of a boundary edge is half a circle, that of a segment a full one (`outward` is perpendicular to it).
+bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edge,
+                    const Eigen::Vector3d& outward, const ConeTolerance& tolerance);
+
+/// Whether the vertex has no triangles, or the outer side of at least one of them faces `outward`.
+bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex,
+                  const Eigen::Vector3d& outward);
+
+/// Whether no edge around the vertex points to the side of `outward`, and a triangle faces `outward`.
+bool isInVertexCone(const MovingSurface& surface, double time, std::uint32_t vertex,
+                    const Eigen::Vector3d& outward);
+
 // --- searches ----------------------------------------------------------------------------------------------
 
 /// Builds the tree: halves the elements at the median of their centres along the longest side of their box,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+// Builds the topology of a surface, and tests directions with the normal cones of its edges and vertices.
 #include "collide/surface.h"
 
 #include "mesh/surface.h"
@@ -196,6 +197,70 @@ Result<SurfaceTopology> makeSurfaceTopology(const Points& rest, const SurfaceFea
   addElements(t, edgesOf, triangleEdges, features);
   t.nodes = makeSurfaceTree(rest, t.elements);
   return t;
+}
+
+// --- normal cones ------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Sine: tolerance of a vertex's cone for rounding and for slight deformation of a body.
+constexpr double kConeTolerance = 0.01;
+/// Cosine between `outward` and the normal above which a triangle faces outward. Triangles perpendicular to a
+/// flat face do not.
+constexpr double kFacing = 0.02;
+
+/// Returns the unit vector perpendicular to the edge that points into the triangle.
+Vector3d inwardFrom(const MovingSurface& surface, double time, std::uint32_t edge, std::uint32_t triangle) {
+  const Edge& ends = surface.topology->edges[edge];
+  const Vector3d from = surface.at(ends[0], time), along = (surface.at(ends[1], time) - from).normalized();
+  std::uint32_t opposite = ends[0];
+  for (const std::uint32_t corner : surface.topology->triangles[triangle])
+    if (corner != ends[0] && corner != ends[1]) opposite = corner;
+  const Vector3d to = surface.at(opposite, time) - from;
+  return (to - along * along.dot(to)).normalized();
+}
+
+}  // namespace
+
+Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_t triangle) {
+  return normalOf<3>(featureOf<3>(surface, surface.topology->triangles[triangle]).at(time));
+}
+
+bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edge, const Vector3d& outward,
+                    const ConeTolerance& tolerance) {
+  const auto [first, second] = surface.topology->edgeTriangles[edge];
+  if (first == kNoFeature) return true;
+  const Vector3d in0 = inwardFrom(surface, time, edge, first);
+  if (second == kNoFeature) return outward.dot(in0) <= tolerance.sine;
+  const Vector3d in1 = inwardFrom(surface, time, edge, second);
+  const double fold = (in0 + in1).norm();
+  const bool isFlat = fold < tolerance.flatFold;
+  if (isFlat ? !tolerance.flatToo : outward.dot(in0 + in1) >= 0.0) return false;
+  const double maxSine = isFlat ? tolerance.sine : std::min(tolerance.sine, 0.25 * fold);
+  if (outward.dot(in0) > maxSine || outward.dot(in1) > maxSine) return false;
+  if (!surface.topology->oneSided[first] || !surface.topology->oneSided[second]) return true;
+  return outward.dot(normalAt(surface, time, first) + normalAt(surface, time, second)) > 0.0;
+}
+
+bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward) {
+  const SurfaceTopology& t = *surface.topology;
+  const auto faces = [&](std::uint32_t i) {
+    return !t.oneSided[i] || outward.dot(normalAt(surface, time, i)) > kFacing;
+  };
+  const std::uint32_t *begin = t.trianglesAround.begin(vertex), *end = t.trianglesAround.end(vertex);
+  return begin == end || std::any_of(begin, end, faces);
+}
+
+bool isInVertexCone(const MovingSurface& surface, double time, std::uint32_t vertex,
+                    const Vector3d& outward) {
+  const SurfaceTopology& t = *surface.topology;
+  const Vector3d from = surface.at(vertex, time);
+  for (const std::uint32_t* e = t.edgesAround.begin(vertex); e != t.edgesAround.end(vertex); ++e) {
+    const std::uint32_t other = t.edges[*e][t.edges[*e][0] == vertex ? 1 : 0];
+    const Vector3d along = surface.at(other, time) - from;
+    if (outward.dot(along) > kConeTolerance * along.norm()) return false;
+  }
+  return facesOutward(surface, time, vertex, outward);
 }
 
 }  // namespace limber
