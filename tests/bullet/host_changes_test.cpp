@@ -5,6 +5,7 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 #include <limber/spring_network.h>
 
@@ -196,6 +197,26 @@ TEST(ChangedShape, anIdThatTheBroadphaseUsesAgainIsAnotherObject) {
   EXPECT_NEAR(body->centerOfMass().y(), before - 0.5 * 9.81 * 0.2 * 0.2, 0.03);
   system.removeAll();
   world.removeRigidBody(floor.get());
+}
+
+/// Whatever else has changed since the last tick, as here the springs.
+TEST(RemovedObject, endsTheBodyBeforeItIsSearchedForContacts) {
+  for (const bool isFirst : {true, false}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.selfCollision = true;
+    SoftBody *cloth = *system.createBody(*buildCloth(), s), *other = *system.createBody(*buildCloth(), s);
+    SpringConstraint* spring = *system.addSpring({nullptr}, {other->point(0)});
+    bullet.tick();
+    btRigidBody* object = cloth->surfaceObject() ? cloth->surfaceObject() : cloth->point(3);
+    if (isFirst) bullet.world->removeRigidBody(object);
+    ASSERT_TRUE(system.removeSpring(spring));
+    if (!isFirst) bullet.world->removeRigidBody(object);
+    bullet.simulate(0.2);
+    EXPECT_FALSE(cloth->alive());
+    EXPECT_TRUE(other->alive());
+  }
 }
 
 }  // namespace

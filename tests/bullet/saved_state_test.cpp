@@ -276,6 +276,42 @@ TEST(SavedState, damagedBytesAreRefusedAndChangeNothing) {
             "the saved state has 8 bodies, the system 0");
 }
 
+/// A ball on a cube. The broadphase has the ball where it was before it was put back.
+TEST(SavedState, rigidBodiesMayBePutBackBeforeAndAfterIt) {
+  const auto addBall = [](BulletWorld& bullet, const btVector3& position) {
+    return bullet.add(std::make_unique<btSphereShape>(btScalar(0.3)), 1.0, position);
+  };
+  BulletWorld old;
+  old.addBoxFloor();
+  SoftBodySystem system(*old.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.6, 0};
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  btRigidBody* ball = addBall(old, btVector3(btScalar(0.1), btScalar(1.6), 0));
+  old.simulate(1.0);
+  const Bytes state = system.saveState();
+  const btTransform pose = ball->getWorldTransform();
+  const btVector3 velocity = ball->getLinearVelocity(), spin = ball->getAngularVelocity();
+  old.tick();
+  for (const bool stateFirst : {true, false}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem restored(*bullet.world);
+    s.position = {0, 3, 4};
+    SoftBody* copy = *restored.createBody(test::closedCubeNetwork(), s);
+    btRigidBody* other = addBall(bullet, btVector3(5, 5, 5));
+    const auto restore = [&] { EXPECT_TRUE(restored.restoreState(state)); };
+    if (stateFirst) restore();
+    other->setWorldTransform(pose);
+    other->setInterpolationWorldTransform(pose);
+    other->setLinearVelocity(velocity);
+    other->setAngularVelocity(spin);
+    if (!stateFirst) restore();
+    bullet.tick();
+    EXPECT_EQ(copy->stateHash(), cube->stateHash()) << stateFirst;
+  }
+}
+
 /// A body that is not alive keeps others from being saved as little as from being stepped.
 TEST(SavedState, isSavedOfDeadBodiesButNotRestored) {
   auto bullet = std::make_unique<BulletWorld>();

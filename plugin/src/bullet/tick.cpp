@@ -117,6 +117,7 @@ void SoftBodySystem::Impl::WorldStep::updateLiving() {
   springs.clear();
   for (Impl* system : systems) {
     for (auto& body : system->bodies) {
+      body->data_->alive = isAlive(*body->data_);
       if (!body->data_->alive) continue;
       body->data_->inTick = &inTick;
       body->data_->index = static_cast<std::uint32_t>(living.size());
@@ -146,6 +147,8 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
   for (const LinkedGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
   groupsStale = updateUsableLinks(living, springs, usableLinks) || groupsStale;
   if (!groupsStale) return;
+  // the user may have restored a state with rigid bodies elsewhere: the broadphase proposes partners
+  world->updateAabbs();
   updateLiving();
   groups = makeLinkedGroups(living, springs);
   updateUsableLinks(living, springs, usableLinks);
