@@ -205,7 +205,7 @@ TEST(RemovedObject, endsTheBodyBeforeItIsSearchedForContacts) {
     BulletWorld bullet;
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
-    s.selfCollision = true;
+    s.selfCollision = test::kSurface;
     SoftBody *cloth = *system.createBody(*buildCloth(), s), *other = *system.createBody(*buildCloth(), s);
     SpringConstraint* spring = *system.addSpring({nullptr}, {other->point(0)});
     bullet.tick();
