@@ -18,7 +18,7 @@ const std::vector<SceneEntry>& sceneList() {
        &createTower},
       {"curtain", "balls and a box push a curtain that hangs from its upper edge", 10.0, false,
        &createCurtain},
-      {"flag", "flags fly in gusts of wind, which then drops", 16.0, false, &createFlag},
+      {"flag", "flags fly in gusts of wind, which then drops", 18.0, false, &createFlag},
       {"pool", "soft boxes of four densities fall into water; three float at their draughts", 12.0, false,
        &createPool},
       {"dent", "balls press an elastic block and two that yield, which keep their dents", 5.0, false,
