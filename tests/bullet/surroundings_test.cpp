@@ -33,6 +33,8 @@ struct SurroundingsTest : testing::Test {
     EXPECT_TRUE(body) << (body ? "" : body.error());
     return *body;
   }
+  /// A plate of 0.5 kg and 1 m x 1 m, broadside to its fall.
+  SoftBody* addPlate();
   void setWind(const Vector3d& wind, double density = 1.2) {
     Air air;
     air.wind = wind;
@@ -61,6 +63,14 @@ SoftBodySettings stiffSolid(double mass) {
   s.damping = 20.0 * mass;
   s.totalMass = mass;
   return s;
+}
+
+SoftBody* SurroundingsTest::addPlate() {
+  SoftBodySettings s = stiffSolid(0.5);
+  s.scale = {1.0, 0.05, 1.0};
+  s.flow.drag = 1.17;
+  s.flow.friction = 0.0;
+  return add(solidOf(small_meshes::cube(2)), s);
 }
 
 /// A cloth of 1 m x 1 m whose points have the masses of the areas around them.
@@ -126,11 +136,7 @@ TEST_F(SurroundingsTest, aFallWithLinearDragIsExponential) {
 }
 
 TEST_F(SurroundingsTest, aPlateBroadsideFallsAtItsTerminalSpeed) {
-  SoftBodySettings s = stiffSolid(0.5);
-  s.scale = {1.0, 0.05, 1.0};
-  s.flow.drag = 1.17;
-  s.flow.friction = 0.0;
-  const SoftBody* body = add(solidOf(small_meshes::cube(2)), s);
+  const SoftBody* body = addPlate();
   bullet.simulate(10.0);
   EXPECT_NEAR(fallOf(*body), std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.17)), 0.01);
 }
@@ -138,11 +144,7 @@ TEST_F(SurroundingsTest, aPlateBroadsideFallsAtItsTerminalSpeed) {
 /// With the terminal speed w the speed is  w tanh(g t / w).  Drag is applied once a substep, which is 0.4 %
 /// of w off. With the speed in the middle of the last tick it would be 1.6 %.
 TEST_F(SurroundingsTest, aPlateBroadsideGetsFasterByTheClosedForm) {
-  SoftBodySettings s = stiffSolid(0.5);
-  s.scale = {1.0, 0.05, 1.0};
-  s.flow.drag = 1.17;
-  s.flow.friction = 0.0;
-  const SoftBody* body = add(solidOf(small_meshes::cube(2)), s);
+  const SoftBody* body = addPlate();
   const double terminal = std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.17));
   for (int tick = 1; tick <= 90; ++tick) {
     bullet.tick();

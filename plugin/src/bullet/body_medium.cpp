@@ -291,30 +291,22 @@ const Points& velocityAhead(const SoftBodyData& body, BodyMedium& medium, double
   return medium.velocity;
 }
 
-/// Returns the largest |W D| of a point, 1/s.
-double fastestRate(const PointDrag& drag) {
-  double rate = 0.0;
-  for (Eigen::Index i = 0; i < drag.terms.cols(); ++i)
-    if (const double time = drag.terms(9, i); time > 0.0) rate = std::max(rate, 1.0 / time);
-  return rate;
-}
-
-/// Sets the drag by the flow past the parts in the middle of the tick: its error falls with the square of the
-/// tick. Where drag is strong enough to act fully within a tick, it would be too strong and too weak by turns
-/// with the speeds of this tick.
-void setFlowDrag(const SoftBodyData& body, BodyMedium& medium, const Flow& air, const Flow& water,
+/// Adds the drag by the flow past the parts in the middle of the tick to a cleared one: its error falls with
+/// the square of the tick. Where drag is strong enough to act fully within a tick, it would be too strong and
+/// too weak by turns with the speeds of this tick.
+void addFlowDrag(const SoftBodyData& body, BodyMedium& medium, const Flow& air, const Flow& water,
                  const WaterPlane& plane, double tick) {
-  const auto setWith = [&](double ticksAhead) {
-    clearDrag(medium.drag, body.state.position.cols());
+  const auto addWith = [&](double ticksAhead) {
     addDragOfParts(body.model->parts, 2.0 * radiusOf(body),
                    {medium.predicted, velocityAhead(body, medium, ticksAhead)}, air, water, plane,
                    medium.drag);
   };
-  setWith(0.5);
-  limitDrag(medium.drag, body.state.inverseMass);
-  const double strength = tick * fastestRate(medium.drag);
+  addWith(0.5);
+  const double strength = tick * limitDrag(medium.drag, body.state.inverseMass);
   const double back = std::clamp((strength - kWeakDrag) / (kStrongDrag - kWeakDrag), 0.0, 1.0);
-  if (back > 0.0) setWith(0.5 - back);
+  if (back == 0.0) return;
+  clearDrag(medium.drag, body.state.position.cols());
+  addWith(0.5 - back);
 }
 
 }  // namespace
@@ -357,7 +349,7 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
   if (plane.isThere()) water = waterOf(body);
   // a body that goes in and out of the water keeps its memory
   clearDrag(medium.drag, inAir || body.surroundings->water ? body.state.position.cols() : 0);
-  if (inAir || water.acts()) setFlowDrag(body, medium, air, water, plane, tick);
+  if (inAir || water.acts()) addFlowDrag(body, medium, air, water, plane, tick);
   if (plane.isThere()) dampByWaves(body, medium, plane, water.velocity);
   if (plane.isThere()) {
     const Bobbing bobbing = addWaterForces(body, medium, plane, tick);

@@ -43,7 +43,8 @@ SoftContact contactAt(const SoftBodyData& body, const ContactSide& side, const V
   c.position = toBullet(x - radiusOf(body) * normal);
   c.normal = toBullet(normal);
   c.distance = distance;
-  c.normalImpulse = std::max(impulse.along, 0.0);  // solving velocities may take back a little more
+  // the corrections of a contact that ends can sum up to slightly less than 0
+  c.normalImpulse = std::max(impulse.along, 0.0);
   c.impulse = toBullet(impulse.sum);
   c.frictionImpulse = toBullet(impulse.sum - impulse.pressing);
   return c;

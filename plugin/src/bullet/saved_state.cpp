@@ -401,6 +401,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.prefersImplicit = s.prefersImplicit;
   body.restorations = s.restorations;
   mediumOf(body).lastWind = s.lastWind;
+  body.rolledBack = true;
   forgetCaches(body);
   writeToBullet(body);
   updateQueryBoxes(body);

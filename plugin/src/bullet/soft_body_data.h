@@ -265,6 +265,7 @@ struct SoftBodyData {
   bool alive = true;
   bool asleep = false;
   bool restored = false;           ///< in this tick, see restoreIfUnsound()
+  bool rolledBack = false;         ///< since the last tick, by restoreState()
   std::uint32_t restorations = 0;  ///< number of ticks with a restoration
   double calmTime = 0.0;           ///< s, see LinkedGroup::calmTime
   bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed

@@ -107,6 +107,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   void step(btScalar tick);
   void write(btScalar tick);
   void updateLiving();
+  void updateBoxesAfterRollback();
   void takeLink(SpringConstraint& spring, const LinkSpring& link);
   void takeAnchors(LinkedGroup& group, double tick);
   /// Tears and cuts bodies.

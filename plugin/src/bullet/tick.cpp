@@ -127,6 +127,14 @@ void SoftBodySystem::Impl::WorldStep::updateLiving() {
   }
 }
 
+/// The broadphase proposes partners, and may have rigid bodies where they were before they were put back,
+/// too.
+void SoftBodySystem::Impl::WorldStep::updateBoxesAfterRollback() {
+  bool any = false;
+  for (SoftBodyData* body : living) any = std::exchange(body->rolledBack, false) || any;
+  if (any) world->updateAabbs();
+}
+
 void SoftBodySystem::Impl::WorldStep::divideBodies() {
   // whatever divides bodies, or lets them tear, makes the groups stale; most worlds have nothing of the kind
   if (!groupsStale && !mayDivide) return;
@@ -147,9 +155,8 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
   for (const LinkedGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
   groupsStale = updateUsableLinks(living, springs, usableLinks) || groupsStale;
   if (!groupsStale) return;
-  // the user may have restored a state with rigid bodies elsewhere: the broadphase proposes partners
-  world->updateAabbs();
   updateLiving();
+  updateBoxesAfterRollback();
   groups = makeLinkedGroups(living, springs);
   updateUsableLinks(living, springs, usableLinks);
   groupsStale = false;

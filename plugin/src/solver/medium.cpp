@@ -69,7 +69,8 @@ void addDrag(PointDrag& drag, Eigen::Index i, double k, const Eigen::Vector3d& n
   t[5] += k * n[2] * n[0];
 }
 
-void limitDrag(PointDrag& drag, const Points& inverseMass) {
+double limitDrag(PointDrag& drag, const Points& inverseMass) {
+  double fastest = 0.0;
   for (Eigen::Index i = 0; i < drag.terms.cols(); ++i) {
     auto t = drag.terms.col(i);
     // the largest row sum bounds the eigenvalues
@@ -77,7 +78,9 @@ void limitDrag(PointDrag& drag, const Points& inverseMass) {
     const double largest = std::max({t[0] + xy + zx, t[1] + xy + yz, t[2] + yz + zx});
     const double rate = largest * inverseMass.col(i).maxCoeff();
     t[9] = rate > 0.0 ? 1.0 / rate : 0.0;
+    fastest = std::max(fastest, rate);
   }
+  return fastest;
 }
 
 void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {

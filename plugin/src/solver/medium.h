@@ -41,8 +41,8 @@ void clearDrag(PointDrag& drag, Eigen::Index points);
 void addDrag(PointDrag& drag, Eigen::Index i, double k, const Eigen::Vector3d& n, double c,
              const Eigen::Vector3d& w);
 
-/// Computes the limits after all addDrag().
-void limitDrag(PointDrag& drag, const Points& inverseMass);
+/// Computes the limits after all addDrag(). Returns the largest |W D| of a point, 1/s.
+double limitDrag(PointDrag& drag, const Points& inverseMass);
 
 /// Applies the drag of a substep of dt seconds. Call it before the contacts are solved.
 void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, double dt);
