@@ -153,6 +153,7 @@ struct ConeTolerance {
   double flatFold = kFlatFold;  ///< about rad: an edge with a smaller fold angle is flat
 };
 
+/// Returns the unit normal of a triangle; 0 if it has no area.
 Eigen::Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_t triangle);
 
 /// Whether the edge is convex and `outward` is between the normals of its triangles (its Gauss arc). The arc
