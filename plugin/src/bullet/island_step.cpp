@@ -160,6 +160,17 @@ CommonMotion commonMotion(const SolverIsland& step) {
   return all;
 }
 
+/// J, relative to the mean motion.
+double relativeEnergy(const SolverIsland& step, const CommonMotion& motion) {
+  return kineticEnergy(step) - 0.5 * motion.mass * motion.mean.squaredNorm();
+}
+
+/// Returns the mean square (m^2/s^2) of all velocities relative to the mean motion, weighted by mass.
+double squaredMotion(const SolverIsland& step) {
+  const CommonMotion motion = commonMotion(step);
+  return motion.mass > 0.0 ? 2.0 * relativeEnergy(step, motion) / motion.mass : 0.0;
+}
+
 /// Scales all velocities relative to `mean`.
 void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
   for (SolverBody& body : step.bodies)
@@ -179,7 +190,7 @@ void limitEnergy(Island& island, const TickContacts& found, double energyBefore)
   const double excess = std::min(increase, workOfRecoveries(island, found));
   if (!(excess > 0.0)) return;
   const CommonMotion motion = commonMotion(island.step);
-  const double relative = kineticEnergy(island.step) - 0.5 * motion.mass * motion.mean.squaredNorm();
+  const double relative = relativeEnergy(island.step, motion);
   if (relative > excess) slowDown(island.step, motion.mean, std::sqrt(1.0 - excess / relative));
 }
 
@@ -378,6 +389,7 @@ void stepIsland(Island& island, const TickContacts& found, double tick, ScratchP
   for (LinkedGroup* group : island.groups) group->substeps = substeps;
   scaleWarmStart(island.step.pairs, substeps);
   island.step.pairs.tolerance = speedTolerance(island.step, tick);
+  island.step.pairs.squaredMotion = squaredMotion(island.step);
   if (island.softBodies.empty()) limitRecoverySpeed(island.step.pairs, tick);
   island.start.clear();
   if (joined) island.start = island.step.links.rigids;

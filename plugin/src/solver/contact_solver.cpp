@@ -212,6 +212,15 @@ enum class Stage { Positions, Velocities };
 constexpr double kSoftness = 0.02;
 constexpr double kKept = 0.8;
 
+/// A contact that removes an overlap may push against a body that cannot move away: one that anchors hold, or
+/// the folds of a soft body around an object. There each overlap that is removed makes another one, and the
+/// energy would grow without limit. So the work of a contact in a tick is at most this share of m v^2, with
+/// the row's mass and either the speed at which overlaps are removed or, if that is larger, the mean square
+/// of the velocities in the island: a fast hit makes overlaps, since its contacts are found late, and energy
+/// that is missing until they are removed. A contact with an impulse above m v may do less work, in
+/// proportion: contacts that push against each other have impulses of any size.
+constexpr double kRecoveryWork = 0.3;
+
 /// Least change of the friction of a sliding contact in a sweep, as a share of its limit, towards the
 /// direction against the sliding. The frictions of several contacts of one body may cancel each other and
 /// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where it makes a
@@ -262,14 +271,25 @@ inline bool addFriction(const ContactConstraint& row, double u, double v, double
   return least > row.slidingMass;
 }
 
+/// Returns the impulse, 0 or more, that changes the speed along the normal from `speed` to `target` (m/s),
+/// with the row's softness. `sum` (N s) is the present impulse. If its work would be more than maxWork, the
+/// result n is smaller. With the impulse n0 for speed 0,
+///     n (n - n0) / m = maxWork.
+inline double normalImpulse(const ContactConstraint& row, double sum, double target, double speed) {
+  const double yielding = row.softness * (sum - kKept * row.before.n);
+  const double n = std::max(0.0, sum + ((target - speed) * row.mass - yielding) / (1.0 + row.softness));
+  const double atRest = sum - speed * row.mass;
+  if (!(n * (n - atRest) > row.mass * row.maxWork)) return n;
+  return 0.5 * (atRest + std::sqrt(atRest * atRest + 4.0 * row.mass * row.maxWork));
+}
+
 /// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
 /// normal, with friction within its cone. `free`: the cone follows the normal impulse. Sets row.change.
 inline void solveContact(IslandConstraints& rows, ContactConstraint& row, ContactVector& total, double target,
                          bool free) {
   const ContactVector speeds = speedsOf(rows, row), earlier = total;
   ContactVector sum = earlier;
-  const double yielding = row.softness * (sum.n - kKept * row.before.n);
-  sum.n = std::max(0.0, sum.n + ((target - speeds.n) * row.mass - yielding) / (1.0 + row.softness));
+  sum.n = normalImpulse(row, sum.n, target, speeds.n);
   const double normalChange = sum.n - earlier.n;
   if (free) row.maxFriction = row.friction * sum.n;
   const bool forced = addFriction(row, speeds.u + normalChange * row.acrossAlong[0],
@@ -305,35 +325,38 @@ void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
   applyImpulse(bodies, j, j.change);
 }
 
-/// Returns the maximum speed (m/s) at which an overlap is removed. Where anchors hold bodies together, a
-/// contact may push against a body that cannot move away. Its work in a tick is limited to the kinetic energy
-/// that the moved mass has at this speed.
-double partingSpeed(const Contact& c, const ContactConstraint& row, const LinkedBodies& bodies, double dt,
-                    double tick) {
-  if (bodies.anchors.empty()) return c.recoverySpeed;
-  const double tickImpulse =
-      std::max(row.positionImpulse.n / dt * tick, c.impulse.along + row.impulse.n);  // N s in the tick
-  const double limit = row.mass * c.recoverySpeed;
-  return tickImpulse > limit ? c.recoverySpeed * limit / tickImpulse : c.recoverySpeed;
-}
+bool isSoft(const ContactPoint& p) { return p.kind == ContactPoint::Kind::Soft; }
 
 /// Whether side a is a single point mass and side b a static or kinematic object.
 bool isOfPoint(const Contact& c) {
-  return c.a.kind == ContactPoint::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
+  return isSoft(c.a) && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
+}
+
+/// Returns the largest work (J) of a contact in a substep of `share` of the tick that removes an overlap.
+/// There is no limit where nothing soft or anchored yields.
+double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, const ContactConstraint& row,
+                       bool anchored, double share) {
+  if (!(row.target > 0.0) || isOfPoint(c)) return HUGE_VAL;
+  if (!anchored && !isSoft(c.a) && !isSoft(c.b)) return HUGE_VAL;
+  const double squaredSpeed = std::max(c.recoverySpeed * c.recoverySpeed, rows.squaredMotion);
+  const double work = kRecoveryWork * share * row.mass * squaredSpeed;
+  const double load = share * row.mass * std::sqrt(squaredSpeed), impulse = row.positionImpulse.n;
+  return impulse > load ? work * load / impulse : work;
 }
 
 /// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.
-void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, double dt,
-               double maxSpeed) {
+void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, bool anchored,
+               double dt, double tick) {
   row.softness = isOfPoint(c) ? 0.0 : kSoftness;
-  row.target = minSpeed(row.gap, maxSpeed, dt);
+  row.target = minSpeed(row.gap, c.recoverySpeed, dt);
+  row.maxWork = maxRecoveryWork(rows, c, row, anchored, dt / tick);
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;
   const double approach = -speedAlong(rows, row);
   // `lastSpeed` belongs to an earlier normal where the surface is followed
   const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.lastSpeed;
   addBounce(row, c, row.gap, approach, before, dt);
-  if (row.bounces) row.softness = 0.0;
+  if (row.bounces) row.softness = 0.0, row.maxWork = HUGE_VAL;
 }
 
 /// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.
@@ -544,10 +567,9 @@ bool startSolve(IslandConstraints& rows, LinkedBodies& bodies) {
 int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, double tick) {
   if (!startSolve(rows, bodies)) return 0;
   aimAnchors(bodies, dt, tick);
-  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
-    const Contact& c = rows.contacts[i];
-    setTarget(rows, c, rows.rows[i], dt, partingSpeed(c, rows.rows[i], bodies, dt, tick));
-  }
+  const bool anchored = !bodies.anchors.empty();
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    setTarget(rows, rows.contacts[i], rows.rows[i], anchored, dt, tick);
   return Solve{rows, bodies, Stage::Positions, dt}.run();
 }
 

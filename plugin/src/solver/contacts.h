@@ -143,6 +143,7 @@ struct ContactConstraint : ContactTarget {
   std::uint32_t bodyA, bodyB;  ///< indices in IslandConstraints::changedIn; equal if only one side can move
   Couple couple;
   double gap;                    ///< m
+  double maxWork;                ///< J, of the removal of an overlap in a substep
   double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
   double lastSpeed;              ///< m/s along the normal, at the end of the last substep
   double softness;               ///< see kSoftness (contact_solver.cpp)
@@ -176,7 +177,9 @@ struct IslandConstraints {
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
-      scaledMasses;         ///< 1/kg, inverse masses of points in contacts with a massFactor
+      scaledMasses;  ///< 1/kg, inverse masses of points in contacts with a massFactor
+  double squaredMotion =
+      0.0;  ///< m^2/s^2, mean square of the velocities in the island, see kRecoveryWork (contact_solver.cpp)
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps; see
                             ///< also kExactSweeps (contact_solver.cpp)
 };
