@@ -221,6 +221,10 @@ constexpr double kKept = 0.8;
 /// proportion: contacts that push against each other have impulses of any size.
 constexpr double kRecoveryWork = 0.3;
 
+/// Share of the recovery speed up to which the work is not limited. Under a heavy body points of a gram could
+/// else not remove the small overlaps that every solve leaves, and a ball on a cloth would not come to rest.
+constexpr double kFreeRecovery = 0.01;
+
 /// Least change of the friction of a sliding contact in a sweep, as a share of its limit, towards the
 /// direction against the sliding. The frictions of several contacts of one body may cancel each other and
 /// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where it makes a
@@ -273,14 +277,18 @@ inline bool addFriction(const ContactConstraint& row, double u, double v, double
 
 /// Returns the impulse, 0 or more, that changes the speed along the normal from `speed` to `target` (m/s),
 /// with the row's softness. `sum` (N s) is the present impulse. If its work would be more than maxWork, the
-/// result n is smaller. With the impulse n0 for speed 0,
-///     n (n - n0) / m = maxWork.
+/// result n is smaller: with the impulse n0 for speed 0,
+///     n (n - n0) / m = maxWork,
+/// or, if that is larger, the impulse for freeSpeed.
 inline double normalImpulse(const ContactConstraint& row, double sum, double target, double speed) {
   const double yielding = row.softness * (sum - kKept * row.before.n);
-  const double n = std::max(0.0, sum + ((target - speed) * row.mass - yielding) / (1.0 + row.softness));
-  const double atRest = sum - speed * row.mass;
+  const auto impulseFor = [&](double wanted) {
+    return std::max(0.0, sum + ((wanted - speed) * row.mass - yielding) / (1.0 + row.softness));
+  };
+  const double n = impulseFor(target), atRest = sum - speed * row.mass;
   if (!(n * (n - atRest) > row.mass * row.maxWork)) return n;
-  return 0.5 * (atRest + std::sqrt(atRest * atRest + 4.0 * row.mass * row.maxWork));
+  const double limited = 0.5 * (atRest + std::sqrt(atRest * atRest + 4.0 * row.mass * row.maxWork));
+  return std::max(limited, impulseFor(std::min(target, row.freeSpeed)));
 }
 
 /// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
@@ -349,6 +357,7 @@ void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstrain
                double dt, double tick) {
   row.softness = isOfPoint(c) ? 0.0 : kSoftness;
   row.target = minSpeed(row.gap, c.recoverySpeed, dt);
+  row.freeSpeed = kFreeRecovery * c.recoverySpeed;
   row.maxWork = maxRecoveryWork(rows, c, row, anchored, dt / tick);
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;

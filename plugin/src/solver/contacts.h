@@ -143,7 +143,7 @@ struct ContactConstraint : ContactTarget {
   std::uint32_t bodyA, bodyB;  ///< indices in IslandConstraints::changedIn; equal if only one side can move
   Couple couple;
   double gap;                    ///< m
-  double maxWork;                ///< J, of the removal of an overlap in a substep
+  double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
   double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
   double lastSpeed;              ///< m/s along the normal, at the end of the last substep
   double softness;               ///< see kSoftness (contact_solver.cpp)
