@@ -177,9 +177,8 @@ struct IslandConstraints {
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
-      scaledMasses;  ///< 1/kg, inverse masses of points in contacts with a massFactor
-  double squaredMotion =
-      0.0;  ///< m^2/s^2, mean square of the velocities in the island, see kRecoveryWork (contact_solver.cpp)
+      scaledMasses;            ///< 1/kg, inverse masses of points in contacts with a massFactor
+  double squaredMotion = 0.0;  ///< m^2/s^2, mean square of the island's velocities, see kRecoveryWork
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps; see
                             ///< also kExactSweeps (contact_solver.cpp)
 };
