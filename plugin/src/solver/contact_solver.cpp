@@ -535,6 +535,14 @@ struct Solve {
 
   bool hasNothingToDo() const { return rows.active.empty() && hasOnlyContacts(); }
 
+  /// Ends an unfinished solve: errors remain between bodies, but no point goes into a static object.
+  void holdPoints() {
+    if (stage == Stage::Positions) activateViolated();
+    for (const std::uint32_t i : rows.active)
+      if (isOfPoint(rows.contacts[i]))
+        solveContact(rows, rows.rows[i], impulse(rows.rows[i]), rows.rows[i].target, false);
+  }
+
   int run() {
     rows.changedIn.assign(bodies.points.size() + bodies.rigids.size(), 0);
     start();
@@ -545,7 +553,10 @@ struct Solve {
     for (count = 1; !hasNothingToDo(); ++count) {
       if (stage == Stage::Velocities && count == kExactSweeps) tolerance *= kLargerTolerance;
       const Change change = sweep(count <= lastFree, all);
-      if (count == kMaxSweeps) return count;
+      if (count == kMaxSweeps) {
+        holdPoints();
+        return count;
+      }
       const bool converged = change.within(tolerance), wasWhole = rows.swept.size() == rows.active.size();
       all = !hasOnlyContacts() || (converged && !wasWhole);
       const bool ends = converged && wasWhole;
