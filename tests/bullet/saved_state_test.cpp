@@ -130,13 +130,13 @@ TEST(SavedState, aNewWorldContinues) {
   }
 }
 
-/// Bodies that fall onto a plane at random places, beside and onto each other.
+/// Four bodies that fall onto a plane at random places, beside and onto each other.
 struct RandomScene {
-  explicit RandomScene(unsigned seed, int bodies = 4) : system(*bullet.world), random(seed) {
+  explicit RandomScene(unsigned seed) : system(*bullet.world), random(seed) {
     bullet.addPlaneFloor();
     const SharedNetwork networks[] = {test::closedCubeNetwork(), *buildCloth({1.5, 1.5, 6, 6}),
                                       *buildRope({2.0, 12})};
-    for (int i = 0; i < bodies; ++i) {
+    for (int i = 0; i < 4; ++i) {
       const std::size_t kind = seed % 4 < 3 ? seed % 4 : random() % 3;
       SoftBodySettings s = placed(between(-1, 1), between(0.7, 3), between(-1, 1));
       s.angularVelocity = {between(-3, 3), between(-3, 3), 0};
@@ -191,14 +191,14 @@ TEST(SavedState, whatFallsOnASleepingBodyTouchesItInANewWorld) {
     SoftBody* above = *scene.system.createBody(test::closedCubeNetwork(), s);
     return std::pair(below, above);
   };
-  RandomScene old(0, 0), fresh(0, 0);
-  const auto [below, above] = add(old);
+  RandomScene old(0), fresh(0);
+  SoftBody* below = add(old).first;
   ASSERT_TRUE(add(fresh).first->setVelocity(vec(30, 30, 0), vec(0, 0, 0)));
   fresh.continuation(20);
   int ticks = 0;
   for (; !below->sleeping() && ticks < 600; ++ticks) old.continuation(1);
   ASSERT_TRUE(below->sleeping());
-  ASSERT_TRUE(above->reset(btTransform(btQuaternion::getIdentity(), vec(8.2, 3, 0))));
+  ASSERT_TRUE(old.system.body(5)->reset(btTransform(btQuaternion::getIdentity(), vec(8.2, 3, 0))));
   const Bytes state = old.system.saveState();
   ASSERT_TRUE(fresh.system.restoreState(state));
   const std::vector<std::uint64_t> expected = old.continuation(90);

@@ -81,15 +81,30 @@ void readGroupFromBullet(LinkedGroup& group, btScalar tick);
 
 // --- sleep -------------------------------------------------------------------------------------------------
 
+/// A box (m) around the motion in the coming tick of an object with a surface.
+struct SleepBox {
+  Eigen::AlignedBox3d box;
+  const btCollisionObject* object;
+  LinkedGroup* group;  ///< nullptr: a rigid body in no group
+};
+
+/// Scratch of updateSleep().
+struct SleepScratch {
+  std::vector<unsigned char> islands;  ///< Bullet's islands of the last tick, by tag: 1 with awake bodies
+  std::vector<SleepBox> awake, quiet;  ///< `quiet`: of groups that sleep or want to, sorted by the lowest x
+  double widest = 0.0;                 ///< m along x, of `quiet`
+  std::vector<const btCollisionObject*> partners;  ///< rigid members of groups, sorted
+};
+
 /// Puts whole groups to sleep and wakes them, by Bullet's own rules (gDeactivationTime, gDisableDeactivation,
 /// each body's sleeping threshold, DISABLE_DEACTIVATION).
 ///
 /// Bullet has no link between the points of a body and would put them to sleep one by one. So the
 /// deactivation timer of awake points stays at 0. A group goes to sleep in one tick, when all its members
-/// have been calm for gDeactivationTime and no awake body touches any of them. Returns the others in `awake`.
-/// `bulletIslands` is scratch.
+/// have been calm for gDeactivationTime and no awake body may touch any of them in the coming tick. It wakes
+/// when one may. Returns the groups that are awake.
 void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
-                 std::vector<unsigned char>& bulletIslands, AwakeGroups& awake);
+                 SleepScratch& scratch, AwakeGroups& awake);
 
 // --- stepping ----------------------------------------------------------------------------------------------
 

@@ -50,16 +50,6 @@ bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
   return box.intersects(boxOf(partner));
 }
 
-/// Returns the bounds (m) of a rigid body in a tick if nothing stops it.
-Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
-  Eigen::AlignedBox3d box = boxOf(rigid);
-  const Eigen::Vector3d fall = tick * tick * double(rigid.getInvMass()) * toEigen(rigid.getTotalForce());
-  const Eigen::Vector3d motion = kSearchPerMotion * (tick * toEigen(rigid.getLinearVelocity()) + fall);
-  const double rotation = kSearchPerMotion * tick * double(rotationSpeed(rigid));
-  box.extend(box.min() + motion.cwiseMin(0.0)).extend(box.max() + motion.cwiseMax(0.0));
-  return {box.min().array() - rotation, box.max().array() + rotation};
-}
-
 /// Returns whether a held object may enter the box (m) in the tick.
 bool mayEnter(const Eigen::AlignedBox3d& box, const btCollisionObject& held) {
   return isMoved(held) || isIn(box, held);
@@ -307,6 +297,15 @@ class Watch final : public SearchWatch {
 };
 
 }  // namespace
+
+Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
+  Eigen::AlignedBox3d box = boxOf(rigid);
+  const Eigen::Vector3d fall = tick * tick * double(rigid.getInvMass()) * toEigen(rigid.getTotalForce());
+  const Eigen::Vector3d motion = kSearchPerMotion * (tick * toEigen(rigid.getLinearVelocity()) + fall);
+  const double rotation = kSearchPerMotion * tick * double(rotationSpeed(rigid));
+  box.extend(box.min() + motion.cwiseMin(0.0)).extend(box.max() + motion.cwiseMax(0.0));
+  return {box.min().array() - rotation, box.max().array() + rotation};
+}
 
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();

@@ -97,6 +97,9 @@ inline Eigen::AlignedBox3d presentBoundsOf(const SoftBodyData& other) {
   return {x.rowwise().minCoeff().array() - margin, x.rowwise().maxCoeff().array() + margin};
 }
 
+/// Returns the bounds (m) of a rigid body in a tick if nothing stops it.
+Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick);
+
 // --- filters -----------------------------------------------------------------------------------------------
 
 /// Returns whether contacts of `own`, the surface object or a point in the world, with another object count:

@@ -140,10 +140,10 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   std::vector<Handle<SpringConstraint>> brokenSprings;  // in the last tick
   std::vector<unsigned char> usableLinks;               // see updateUsableLinks()
   bool groupsStale = true;
-  bool mayDivide = true;                     // a body may tear, or was cut at the start of the last tick
-  bool inTick = false;                       // from the time when bodies are read to the end of the tick
-  bool anyRestored = false;                  // a body was restored in this tick
-  std::vector<unsigned char> bulletIslands;  // scratch of updateSleep
+  bool mayDivide = true;     // a body may tear, or was cut at the start of the last tick
+  bool inTick = false;       // from the time when bodies are read to the end of the tick
+  bool anyRestored = false;  // a body was restored in this tick
+  SleepScratch sleepScratch;
   TickProfile profile;
 };
 

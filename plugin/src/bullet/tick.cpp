@@ -176,7 +176,7 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
     if (system->surroundings.air.windAt)
       for (auto& body : system->bodies)
         if (body->data_->alive && isBlownAwake(*body->data_)) wakeBody(*body->data_, true);
-  updateSleep(groups, *world, tick, bulletIslands, awake);
+  updateSleep(groups, *world, tick, sleepScratch, awake);
   moving.clear();
   for (const LinkedGroup* group : awake)
     moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Zlib
+
+// This file puts groups to sleep and wakes them.
+
+#include "bullet/body_in_world.h"
+#include "bullet/bullet_objects.h"
+#include "bullet/linked_group.h"
+#include "bullet/point_contacts.h"
+#include "bullet/surface_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// Calls visit(body) for all Bullet bodies of the group that can sleep.
+template <class Visit>
+void forEachMember(LinkedGroup& group, Visit visit) {
+  for (SoftBodyData* body : group.bodies) {
+    if (body->surface.object) visit(*body->surface.object);
+    if (!body->masses.exposed) continue;
+    for (PointMass* point : body->masses.bodies)
+      if (point) visit(*point);
+  }
+  for (RigidPartner& partner : group.rigids)
+    if (!partner.body->isStaticOrKinematicObject()) visit(*partner.body);
+}
+
+template <class Test>
+bool anyMember(LinkedGroup& group, Test test) {
+  bool found = false;
+  forEachMember(group, [&](btRigidBody& body) { found = found || test(body); });
+  return found;
+}
+
+bool isFast(const btRigidBody& body) {
+  const btScalar linear = body.getLinearSleepingThreshold(), angular = body.getAngularSleepingThreshold();
+  return body.getLinearVelocity().length2() > linear * linear ||
+         body.getAngularVelocity().length2() > angular * angular;
+}
+
+bool movesTooFast(LinkedGroup& group, btScalar tick) {
+  for (SoftBodyData* body : group.bodies)
+    if (movesTooFast(*body, tick)) return true;
+  for (const RigidPartner& partner : group.rigids)
+    if (!isStatic(*partner.body) && isFast(*partner.body)) return true;
+  return anyMember(group,
+                   [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
+}
+
+bool isChanged(const LinkedGroup& group) {
+  return std::any_of(group.bodies.begin(), group.bodies.end(), [](const SoftBodyData* body) {
+    return isSurfaceBody(*body) && isSurfaceChanged(*body);
+  });
+}
+
+void wakeGroup(LinkedGroup& group) {
+  for (SoftBodyData* body : group.bodies) wakeBody(*body, true);
+  for (RigidPartner& partner : group.rigids) {
+    btRigidBody& rigid = *partner.body;
+    if (rigid.isActive() || rigid.isStaticOrKinematicObject()) continue;
+    rigid.activate(true);
+    rigid.applyGravity();
+  }
+  group.asleep = false;
+  group.calmTime = 0.0;
+}
+
+/// Puts the group to sleep. Sets all velocities to zero, because they have been small for seconds.
+void sleepGroup(LinkedGroup& group) {
+  for (SoftBodyData* body : group.bodies) {
+    body->state.velocity.setZero();
+    body->sumsValid = false;
+    body->storedImpulses.clear();
+    body->report.fresh = false;
+    dropObjectForces(*body);
+    body->asleep = true;
+    body->substeps = 0;
+    body->surface.partners.clear();
+    body->surface.left.velocity = body->surface.left.spin = btVector3(0, 0, 0);
+    std::fill(body->masses.leftVelocity.begin(), body->masses.leftVelocity.end(), btVector3(0, 0, 0));
+  }
+  forEachMember(group, [](btRigidBody& body) {
+    body.setLinearVelocity(btVector3(0, 0, 0));
+    body.setAngularVelocity(btVector3(0, 0, 0));
+    body.setInterpolationLinearVelocity(btVector3(0, 0, 0));
+    body.setActivationState(ISLAND_SLEEPING);
+  });
+  group.asleep = true;
+}
+
+bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar(0); }
+
+/// Returns the calm time (s) that a tick adds. One very long tick does not put a body to sleep: it may have
+/// been released at its start.
+double calmTimeOf(btScalar tick) { return std::min(double(tick), 0.5 * double(gDeactivationTime)); }
+
+/// Bullet's islands, which wake by WANTS_DEACTIVATION, do not count for surfaces, see wakeTouched().
+bool isWoken(btRigidBody& body) {
+  if (SurfaceObject::from(&body) && body.getActivationState() == WANTS_DEACTIVATION)
+    body.setActivationState(ISLAND_SLEEPING);
+  return body.isActive();
+}
+
+/// Woken by the user, or kept awake; otherwise its calm time goes on.
+void updateCalmTime(LinkedGroup& group, btScalar tick) {
+  // wake() resets the calm time of a body that is awake
+  for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
+  if (group.asleep && !anyMember(group, isWoken) && !isChanged(group)) {
+    for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
+    return;
+  }
+  if (group.asleep)
+    for (SoftBodyData* body : group.bodies)
+      if (isSurfaceBody(*body) && isSurfaceChanged(*body)) wakeNeighbours(*body, true);
+  if (group.asleep || anyMember(group, [](btRigidBody& body) {
+        return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;
+      }))
+    wakeGroup(group);
+  group.calmTime = sleepIsOff() || movesTooFast(group, tick) ? 0.0 : group.calmTime + calmTimeOf(tick);
+  forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
+  for (SoftBodyData* body : group.bodies)
+    if (body->surface.object)
+      body->surface.object->setDeactivationTime(static_cast<btScalar>(group.calmTime));
+}
+
+void rememberCalmTime(const LinkedGroup& group) {
+  for (SoftBodyData* body : group.bodies) body->calmTime = group.calmTime;
+}
+
+bool wantsSleep(const LinkedGroup& group) {
+  return !group.asleep && group.calmTime > double(gDeactivationTime);
+}
+
+// Bullet's islands decide for point masses in the world and for rigid members of groups.
+
+void markIsland(const btRigidBody& body, SleepScratch& s) {
+  const int tag = body.getIslandTag();
+  if (tag >= 0 && static_cast<std::size_t>(tag) < s.islands.size())
+    s.islands[static_cast<std::size_t>(tag)] = 1;
+}
+
+bool inMarkedIsland(const btRigidBody& body, const SleepScratch& s) {
+  const int tag = body.getIslandTag();
+  return tag >= 0 && static_cast<std::size_t>(tag) < s.islands.size() &&
+         s.islands[static_cast<std::size_t>(tag)];
+}
+
+bool isIslandMarked(LinkedGroup& group, const SleepScratch& s) {
+  return anyMember(group, [&](const btRigidBody& member) {
+    return !SurfaceObject::from(&member) && inMarkedIsland(member, s);
+  });
+}
+
+// For surfaces boxes around the motion of the coming tick decide. Those in Bullet's broadphase, and with them
+// its islands, have room for several ticks: they depend on a past that a restored world does not have.
+
+/// Returns a box (m) around the motion of the body in a tick.
+Eigen::AlignedBox3d boxOf(SoftBodyData& body, double tick) {
+  const MotionSums& sums = sumsOf(body);
+  const double fall = tick * tick * double(body.world->getGravity().length());
+  const double margin = 4.0 / 3.0 * radiusOf(body) + kSearchPerMotion * (tick * std::sqrt(sums.fastest) + fall);
+  const Eigen::Vector3d path = kSearchPerMotion * tick * Eigen::Map<const Eigen::Vector3d>(sums.meanVelocity);
+  const Eigen::Vector3d low = Eigen::Map<const Eigen::Vector3d>(sums.low) + path.cwiseMin(0.0);
+  const Eigen::Vector3d high = Eigen::Map<const Eigen::Vector3d>(sums.high) + path.cwiseMax(0.0);
+  return {low.array() - margin, high.array() + margin};
+}
+
+bool isQuiet(const LinkedGroup& group) { return group.asleep || wantsSleep(group); }
+
+void addBoxes(LinkedGroup& group, double tick, std::vector<SleepBox>& boxes) {
+  for (SoftBodyData* body : group.bodies)
+    if (body->surface.object) boxes.push_back({boxOf(*body, tick), body->surface.object, &group});
+}
+
+void addAwake(const btRigidBody& body, double tick, SleepScratch& s) {
+  markIsland(body, s);
+  if (body.mergesSimulationIslands()) s.awake.push_back({boundsOf(body, tick), &body, nullptr});
+}
+
+void addAwake(LinkedGroup& group, double tick, SleepScratch& s) {
+  addBoxes(group, tick, s.awake);
+  for (const RigidPartner& partner : group.rigids)
+    if (!partner.body->isStaticOrKinematicObject()) addAwake(*partner.body, tick, s);
+  forEachMember(group, [&](const btRigidBody& member) { markIsland(member, s); });
+}
+
+void listPartners(const std::vector<LinkedGroup>& groups, std::vector<const btCollisionObject*>& partners) {
+  partners.clear();
+  for (const LinkedGroup& group : groups)
+    for (const RigidPartner& partner : group.rigids) partners.push_back(partner.body);
+  std::sort(partners.begin(), partners.end(), std::less<>());
+}
+
+/// Adds the awake bodies that are in no group.
+void addOthersAwake(const std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, double tick,
+                    SleepScratch& s) {
+  listPartners(groups, s.partners);
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  s.islands.assign(static_cast<std::size_t>(objects.size()), 0);
+  for (int i = 0; i < objects.size(); ++i) {
+    btRigidBody* body = btRigidBody::upcast(objects[i]);
+    if (!body || !body->isActive() || body->isStaticOrKinematicObject() || isSoft(body)) continue;
+    if (body->wantsSleeping() || std::binary_search(s.partners.begin(), s.partners.end(), body, std::less<>()))
+      continue;
+    addAwake(*body, tick, s);
+  }
+}
+
+/// Wakes a sleeping group, and keeps one awake that wants to sleep.
+void stir(LinkedGroup& group, double tick, SleepScratch& s) {
+  if (group.asleep)
+    wakeGroup(group);
+  else
+    group.calmTime = double(gDeactivationTime);
+  addAwake(group, tick, s);
+}
+
+/// Stirs the quiet groups with a surface that something awake may touch in the coming tick.
+void stirTouched(const SleepBox& awake, double tick, SleepScratch& s) {
+  const auto isBefore = [](const SleepBox& box, double x) { return box.box.min().x() < x; };
+  auto it = std::lower_bound(s.quiet.begin(), s.quiet.end(), awake.box.min().x() - s.widest, isBefore);
+  for (; it != s.quiet.end() && it->box.min().x() <= awake.box.max().x(); ++it)
+    if (isQuiet(*it->group) && it->box.intersects(awake.box) &&
+        arePaired(*it->group->bodies[0], *it->object, *awake.object))
+      stir(*it->group, tick, s);
+}
+
+void listQuiet(std::vector<LinkedGroup>& groups, double tick, SleepScratch& s) {
+  s.quiet.clear();
+  s.widest = 0.0;
+  for (LinkedGroup& group : groups)
+    if (isQuiet(group)) addBoxes(group, tick, s.quiet);
+  std::sort(s.quiet.begin(), s.quiet.end(),
+            [](const SleepBox& a, const SleepBox& b) { return a.box.min().x() < b.box.min().x(); });
+  for (const SleepBox& box : s.quiet) s.widest = std::max(s.widest, box.box.sizes().x());
+}
+
+/// Stirs all groups that something awake touches, and those that these touch.
+void stirQuiet(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, double tick,
+               SleepScratch& s) {
+  s.awake.clear();
+  addOthersAwake(groups, world, tick, s);
+  for (LinkedGroup& group : groups)
+    if (!isQuiet(group)) addAwake(group, tick, s);
+  if (s.awake.empty() && std::none_of(groups.begin(), groups.end(), wantsSleep)) return;
+  listQuiet(groups, tick, s);
+  std::size_t next = 0;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (; next < s.awake.size(); ++next) stirTouched(SleepBox(s.awake[next]), tick, s);
+    for (LinkedGroup& group : groups) {
+      if (group.asleep || !wantsSleep(group) || !isIslandMarked(group, s)) continue;
+      stir(group, tick, s);
+      changed = true;
+    }
+  }
+}
+
+}  // namespace
+
+void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
+                 SleepScratch& scratch, AwakeGroups& awake) {
+  bool anyQuiet = false;
+  for (LinkedGroup& group : groups) {
+    updateCalmTime(group, tick);
+    anyQuiet = anyQuiet || isQuiet(group);
+  }
+  if (anyQuiet) stirQuiet(groups, world, double(tick), scratch);
+  awake.clear();
+  for (LinkedGroup& group : groups) {
+    rememberCalmTime(group);
+    if (wantsSleep(group)) sleepGroup(group);
+    if (!group.asleep) awake.push_back(&group);
+  }
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
