@@ -134,6 +134,25 @@ Momenta momentaOf(const btMultiBody& m, double& energy) {
   return sum;
 }
 
+TEST(MultiBody, aSlowLinkWakesASleepingBody) {
+  MultiBodyWorld bullet(-9.81);
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.52, 0};
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  for (int i = 0; i < 600 && !cube->sleeping(); ++i) bullet.tick();
+  ASSERT_TRUE(cube->sleeping());
+  const btVector3 half = vec(0.6, 0.2, 0.6);
+  btMultiBody* body = bullet.addMultiBody(0, 1.0, half, vec(0, 1.25, 0), false);
+  bullet.addCollider(body, -1, half);
+  bullet.enter(body);
+  for (int i = 0; i < 60; ++i) bullet.tick();
+  EXPECT_FALSE(cube->sleeping());
+  EXPECT_LT(cube->position(2).y(), 1.0);
+  EXPECT_GT(double(body->getBasePos().y()), 1.0);
+}
+
 TEST(MultiBodies, aFixedBaseCarriesACube) {
   MultiBodyWorld w(-9.81);
   btMultiBody* table = w.addMultiBody(0, 0, vec(1, 0.2, 1), vec(0, 0.3, 0), true);

@@ -207,6 +207,84 @@ TEST_F(SleepTest, aLongTickPutsNoFallingBodyToSleep) {
   }
 }
 
+/// A cube asleep, into which a newcomer moves.
+struct SleeperAndNewcomer {
+  using Newcomer = std::function<void(SleeperAndNewcomer&)>;
+
+  /// The twin's cube is woken before the newcomer touches it.
+  SleeperAndNewcomer(bool isTwin, const Newcomer& add) : system(*bullet.world) {
+    bullet.addBoxFloor();
+    sleeper = addCube({0, 0.52, 0});
+    for (int i = 0; i < 600 && !sleeper->sleeping(); ++i) bullet.tick();
+    EXPECT_TRUE(sleeper->sleeping());
+    add(*this);
+    if (isTwin) sleeper->wake();
+  }
+
+  SoftBody* addCube(const Eigen::Vector3d& position, const Eigen::Vector3d& velocity = {0, 0, 0}) {
+    SoftBodySettings s = test::testedSettings();
+    s.position = position;
+    s.linearVelocity = velocity;
+    return *system.createBody(test::closedCubeNetwork(), s);
+  }
+
+  btRigidBody* addBall(double mass, const btVector3& position, const btVector3& velocity) {
+    btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), mass, position);
+    ball->setLinearVelocity(velocity);
+    return ball;
+  }
+
+  void tick() {
+    if (mover) {
+      btTransform pose = mover->getWorldTransform();
+      pose.setOrigin(pose.getOrigin() + moverVelocity / btScalar(60));
+      mover->setWorldTransform(pose);
+    }
+    bullet.tick();
+  }
+
+  BulletWorld bullet;
+  SoftBodySystem system;
+  SoftBody* sleeper;
+  btRigidBody* mover = nullptr;  // kinematic
+  btVector3 moverVelocity;
+};
+
+SleeperAndNewcomer::Newcomer kinematicBall(const btVector3& position, const btVector3& velocity) {
+  return [=](SleeperAndNewcomer& scene) {
+    scene.mover = scene.addBall(0, position, test::vec(0, 0, 0));
+    scene.mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    scene.moverVelocity = velocity;
+  };
+}
+
+SleeperAndNewcomer::Newcomer fallingBall(const btVector3& position, const btVector3& velocity) {
+  return [=](SleeperAndNewcomer& scene) { scene.addBall(1, position, velocity); };
+}
+
+TEST(Sleep, newcomersMeetASleeperAsTheyMeetABodyAwake) {
+  std::vector<SleeperAndNewcomer::Newcomer> newcomers = {
+      kinematicBall(test::vec(-0.8, 0.9, 0.45), test::vec(3, 0, 0)),
+      kinematicBall(test::vec(-0.8, 0.9, 0.45), test::vec(0.5, 0, 0))};
+  if (test::kSurface) {
+    newcomers.push_back(fallingBall(test::vec(0, 1.25, 0), test::vec(0, -9, 0)));
+    newcomers.push_back(fallingBall(test::vec(0, 1.25, 0), test::vec(0, -0.1, 0)));
+    newcomers.emplace_back([](SleeperAndNewcomer& scene) { scene.addCube({0.2, 1.56, 0.1}, {0, -6, 0}); });
+  }
+  for (std::size_t i = 0; i < newcomers.size(); ++i) {
+    SleeperAndNewcomer scene(false, newcomers[i]), twin(true, newcomers[i]);
+    const Eigen::Vector3d before = scene.sleeper->centerOfMass();
+    for (int tick = 0; tick < 30; ++tick) {
+      scene.tick(), twin.tick();
+      for (std::uint32_t p = 0; p < 8; ++p) {
+        const double apart = (scene.sleeper->position(p) - twin.sleeper->position(p)).norm();
+        ASSERT_LT(apart, 1e-3) << "newcomer " << i << ", tick " << tick;
+      }
+    }
+    EXPECT_GT((scene.sleeper->centerOfMass() - before).norm(), 1e-4) << "newcomer " << i;
+  }
+}
+
 /// A box on a soft cube on another soft cube, all asleep.
 struct SleepingStack {
   SleepingStack() : system(*bullet.world) {

@@ -120,7 +120,6 @@ void forEachObjectIn(const btCollisionWorld& world, const btVector3& low, const 
 /// Protected members of worlds that have no getters: a derived class may name them.
 struct WorldMembers : btDiscreteDynamicsWorld {
   static constexpr auto kPreTickCallback = &WorldMembers::m_internalPreTickCallback;
-  static constexpr auto kMovingBodies = &WorldMembers::m_nonStaticRigidBodies;
   static constexpr auto kTimeSinceTick = &WorldMembers::m_localTime;
   static constexpr auto kFixedTick = &WorldMembers::m_fixedTimeStep;
   static constexpr auto kHasLatency = &WorldMembers::m_latencyMotionStateInterpolation;

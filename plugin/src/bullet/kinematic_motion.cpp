@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Zlib
 
-// This file computes the motion of kinematic objects in the ticks of a step. It also collects the objects
-// near soft bodies: those that Bullet's broadphase has paired with them, and those that move towards them.
+// This file finds the objects that may move in a tick and computes the motion of kinematic ones. It also
+// collects the objects near soft bodies: those that Bullet's broadphase has paired with them, and those that
+// move towards them.
 
 #include "bullet/kinematic_motion.h"
 
 #include "bullet/bullet_objects.h"
+#include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 
@@ -108,6 +110,20 @@ void fitBox(KinematicMotion& m) {
 
 }  // namespace
 
+void MovingObjects::find(const btCollisionWorld& world) {
+  kinematic.clear(), dynamic.clear(), links.clear();
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i) {
+    btCollisionObject* object = objects[i];
+    if (isFollowed(*object))
+      kinematic.push_back(object);
+    else if (auto* link = btMultiBodyLinkCollider::upcast(object))
+      links.push_back(link);
+    else if (btRigidBody* body = object->isActive() ? btRigidBody::upcast(object) : nullptr)
+      if (!isStaticOrKinematic(*body) && !isSoft(body)) dynamic.push_back(body);
+  }
+}
+
 const KinematicMotion* KinematicMotions::lastMotion(const btCollisionObject& object) const {
   const int id = object.getBroadphaseHandle()->m_uniqueId;
   const auto isThis = [&](const KinematicMotion& m) { return m.object == &object && m.id == id; };
@@ -128,13 +144,12 @@ void KinematicMotions::start(const btCollisionWorld& world) {
   }
 }
 
-void KinematicMotions::follow(const btDiscreteDynamicsWorld& world, btScalar tick) {
+void KinematicMotions::follow(const btDiscreteDynamicsWorld& world, const MovingObjects& objects,
+                              btScalar tick) {
   std::swap(motions_, last_);
   motions_.clear();
-  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  for (int i = 0; i < objects.size(); ++i) {
-    btCollisionObject& object = *objects[i];
-    if (!isFollowed(object)) continue;
+  for (btCollisionObject* found : objects.kinematic) {
+    btCollisionObject& object = *found;
     const KinematicMotion* before = lastMotion(object);
     KinematicMotion motion = before ? *before : newMotion(object);
     if (!before)
@@ -179,42 +194,23 @@ void addPartner(SoftBodyData& body, btCollisionObject* partner) {
   if (it == partners.end() || *it != partner) partners.insert(it, partner);
 }
 
-/// Returns whether contacts with this partner, which Bullet's broadphase pairs with `own`, wake `own`, a
-/// surface or point.
-bool mayWake(const btRigidBody& own, const btCollisionObject& partner) {
-  const SurfaceObject* surface = SurfaceObject::from(&own);
-  const bool excluded = surface ? !surface->mayTouch(partner)
-                                : !own.checkCollideWith(&partner) || !partner.checkCollideWith(&own);
-  return !excluded && own.hasContactResponse() && partner.hasContactResponse();
-}
-
-/// Adds a partner of the coming tick that is near the body's surface or point `own`. Awake kinematic objects
-/// wake a sleeping body, as in Bullet's islands.
-void addOrWake(SoftBodyData& body, btRigidBody& own, btCollisionObject& partner) {
-  if (!body.asleep || own.isActive())
-    addPartner(body, &partner);
-  else if (isKinematic(partner) && partner.isActive() && mayWake(own, partner))
-    own.activate(true);
-}
-
-/// Returns the living body of `system` that has the object as its surface, or also as a point; else nullptr.
+/// Returns the awake body of `system` that has the object as its surface, or also as a point; else nullptr.
 SoftBodyData* bodyOf(const btCollisionObject& object, bool alsoPoints, const void* system) {
   const SurfaceObject* surface = SurfaceObject::from(&object);
   const PointMass* point = alsoPoints ? PointMass::from(&object) : nullptr;
   SoftBodyData* body = surface ? surface->owner() : point ? point->owner() : nullptr;
-  return body && body->system == system && body->alive ? body : nullptr;
+  return body && body->system == system && body->alive && !body->asleep ? body : nullptr;
 }
 
 }  // namespace
 
-void collectPartners(btDiscreteDynamicsWorld& world, const void* system, bool wake) {
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system) {
   const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
   for (int i = 0; i < pairs.size(); ++i) {
     auto* a = static_cast<btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
     auto* b = static_cast<btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
     for (int side = 0; side < 2; ++side, std::swap(a, b))
-      if (SoftBodyData* body = bodyOf(*a, false, system); body && (wake || !body->asleep))
-        addOrWake(*body, static_cast<btRigidBody&>(*a), *b);
+      if (SoftBodyData* body = bodyOf(*a, false, system)) addPartner(*body, b);
   }
 }
 
@@ -241,12 +237,7 @@ void addToBodiesIn(btDiscreteDynamicsWorld& world, btCollisionObject& mover, con
   const btVector3 more(margin, margin, margin);
   forEachObjectIn(world, low - more, high + more, [&](btCollisionObject& object) {
     SoftBodyData* body = bodyOf(object, isKinematic(mover), system);
-    if (!body) return;
-    auto& part = static_cast<btRigidBody&>(object);
-    btBroadphaseProxy *a = part.getBroadphaseHandle(), *b = mover.getBroadphaseHandle();
-    if (!mayWake(part, mover) || !world.getPairCache()->needsBroadphaseCollision(a, b)) return;
-    if (!part.isActive()) part.activate(true);
-    addOrWake(*body, part, mover);
+    if (body && canHit(*body, *mover.getBroadphaseHandle())) addPartner(*body, &mover);
   });
 }
 
@@ -261,37 +252,33 @@ void addMovingBody(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar t
   addToBodiesIn(world, body, low, high, rotation + kBoxMargin, system);
 }
 
-/// Adds a link of a multibody. Extrapolates its box from that in the broadphase, which is from the start of
-/// the last tick.
-void addMovingLink(btDiscreteDynamicsWorld& world, btCollisionObject& link, const void* system) {
-  const btBroadphaseProxy* proxy = link.getBroadphaseHandle();
-  btVector3 low, high;
-  link.getCollisionShape()->getAabb(link.getWorldTransform(), low, high);
-  const btVector3 margin(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
-  const btVector3 down = low - (proxy->m_aabbMin + margin), up = high - (proxy->m_aabbMax - margin);
-  if (btMax(down.length(), up.length()) <= kBoxMargin) return;
-  low.setMin(low + down), high.setMax(high + up);
-  addToBodiesIn(world, link, low, high, kBoxMargin, system);
+void addMovingLink(btDiscreteDynamicsWorld& world, btMultiBodyLinkCollider& link, const void* system) {
+  const Eigen::AlignedBox3d box = boundsOf(link);
+  const btBroadphaseProxy& found = *link.getBroadphaseHandle();
+  if (Eigen::AlignedBox3d(toEigen(found.m_aabbMin), toEigen(found.m_aabbMax)).contains(box)) return;
+  addToBodiesIn(world, link, toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())),
+                kBoxMargin, system);
 }
 
 }  // namespace
 
-void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinematic, const void* system,
-                   btScalar tick) {
+Eigen::AlignedBox3d boundsOf(const btMultiBodyLinkCollider& link) {
+  const btBroadphaseProxy& found = *link.getBroadphaseHandle();
+  const double margin = double(gContactBreakingThreshold);
+  Eigen::AlignedBox3d box = boxOf(link);
+  const Eigen::Vector3d down = box.min() - (toEigen(found.m_aabbMin).array() + margin).matrix();
+  const Eigen::Vector3d up = box.max() - (toEigen(found.m_aabbMax).array() - margin).matrix();
+  return box.extend(box.min() + down).extend(box.max() + up);
+}
+
+void collectMovers(btDiscreteDynamicsWorld& world, const MovingObjects& objects,
+                   const KinematicMotions& kinematic, const void* system, btScalar tick) {
   for (const KinematicMotion& motion : kinematic.all())
-    if (motion.moves() && motion.object->hasContactResponse())
-      addToBodiesIn(world, *motion.object, motion.low, motion.high, kBoxMargin, system);
-  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  for (int i = 0; i < objects.size(); ++i)
-    if (objects[i]->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK && objects[i]->isActive() &&
-        objects[i]->getBroadphaseHandle() && objects[i]->hasContactResponse())
-      addMovingLink(world, *objects[i], system);
-  const btAlignedObjectArray<btRigidBody*>& bodies = world.*WorldMembers::kMovingBodies;
-  for (int i = 0; i < bodies.size(); ++i) {
-    btRigidBody& body = *bodies[i];
-    if (isKinematic(body) || !body.isActive() || PointMass::from(&body)) continue;
-    if (body.getBroadphaseHandle() && body.hasContactResponse()) addMovingBody(world, body, tick, system);
-  }
+    if (motion.moves()) addToBodiesIn(world, *motion.object, motion.low, motion.high, kBoxMargin, system);
+  for (btMultiBodyLinkCollider* link : objects.links)
+    if (link->isActive() && link->getBroadphaseHandle()) addMovingLink(world, *link, system);
+  for (btRigidBody* body : objects.dynamic)
+    if (body->getBroadphaseHandle()) addMovingBody(world, *body, tick, system);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares the motion of kinematic objects in a tick, and the search for objects near soft
-// bodies.
+// This header declares the objects of a world that may move in a tick, the motion of kinematic ones, and the
+// search for objects near soft bodies.
 
 #pragma once
 
@@ -9,6 +9,7 @@
 
 #include <limber/bullet_precision.h>
 
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Geometry>
@@ -20,6 +21,16 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftBodyData;
+
+/// The objects of a world that may move in a tick, without soft bodies, in the order of the world's list.
+struct MovingObjects {
+  std::vector<btCollisionObject*> kinematic;    ///< in the broadphase
+  std::vector<btRigidBody*> dynamic;            ///< awake
+  std::vector<btMultiBodyLinkCollider*> links;  ///< asleep ones too
+
+  /// Finds them in one pass over all objects.
+  void find(const btCollisionWorld& world);
+};
 
 /// The motion of a kinematic object in the present tick.
 struct KinematicMotion {
@@ -44,7 +55,7 @@ class KinematicMotions {
   void start(const btCollisionWorld& world);
 
   /// Computes the motions of a tick, at its start.
-  void follow(const btDiscreteDynamicsWorld& world, btScalar tick);
+  void follow(const btDiscreteDynamicsWorld& world, const MovingObjects& objects, btScalar tick);
 
   const std::vector<KinematicMotion>& all() const { return motions_; }
 
@@ -99,16 +110,19 @@ inline Eigen::Vector3d kinematicDisplacement(const btCollisionObject& object,
 // --- partners of the coming tick ---------------------------------------------------------------------------
 
 /// Fills surface.partners of every awake surface body of `system` with the objects that Bullet's broadphase
-/// found near it, sorted by unique id. Call it before a tick. Wakes sleeping bodies near kinematic objects
-/// that are awake, as Bullet's islands do, if `wake`. One pass over the pairs replaces one query per body.
-/// Boxes that change later in the tick have new partners: call it again.
-void collectPartners(btDiscreteDynamicsWorld& world, const void* system, bool wake);
+/// found near it, sorted by unique id. Call it before a tick. One pass over the pairs replaces one query per
+/// body. Boxes that change later in the tick have new partners: call it again.
+void collectPartners(btDiscreteDynamicsWorld& world, const void* system);
 
-/// Adds objects to the partners of all bodies that will come near in the coming tick by their own motion,
-/// which is not yet in the broadphase. Wakes sleeping bodies in their path. Dynamic bodies are added for
-/// surfaces only, because Bullet handles their contacts with points.
-void collectMovers(btDiscreteDynamicsWorld& world, const KinematicMotions& kinematic, const void* system,
-                   btScalar tick);
+/// Adds objects to the partners of all awake bodies that will come near in the coming tick by their own
+/// motion, which is not yet in the broadphase. Dynamic bodies are added for surfaces only, because Bullet
+/// handles their contacts with points.
+void collectMovers(btDiscreteDynamicsWorld& world, const MovingObjects& objects,
+                   const KinematicMotions& kinematic, const void* system, btScalar tick);
+
+/// Returns a box (m) around the motion of a link in the coming tick. Extrapolates it from the box in the
+/// broadphase, which is from the start of the last tick.
+Eigen::AlignedBox3d boundsOf(const btMultiBodyLinkCollider& link);
 
 /// Returns whether Bullet's broadphase has searched all of this box (m), so that surface.partners has every
 /// object that may enter it in the coming tick.

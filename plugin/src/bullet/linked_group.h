@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "bullet/kinematic_motion.h"
 #include "bullet/parallel.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_gather.h"
@@ -81,11 +82,12 @@ void readGroupFromBullet(LinkedGroup& group, btScalar tick);
 
 // --- sleep -------------------------------------------------------------------------------------------------
 
-/// A box (m) around the motion in the coming tick of an object with a surface.
+/// A box (m) around the motion of an object in the coming tick.
 struct SleepBox {
   Eigen::AlignedBox3d box;
-  const btCollisionObject* object;
-  LinkedGroup* group;  ///< nullptr: a rigid body in no group
+  const btCollisionObject* object;  ///< the surface of a soft body; nullptr if it has none
+  SoftBodyData* body;               ///< nullptr: not a soft body
+  LinkedGroup* group;               ///< of the soft body
 };
 
 /// Scratch of updateSleep().
@@ -93,7 +95,7 @@ struct SleepScratch {
   std::vector<unsigned char> islands;  ///< Bullet's islands of the last tick, by tag: 1 with awake bodies
   std::vector<SleepBox> awake, quiet;  ///< `quiet`: of groups that sleep or want to, sorted by the lowest x
   double widest = 0.0;                 ///< m along x, of `quiet`
-  std::vector<const btCollisionObject*> partners;  ///< rigid members of groups, sorted
+  std::vector<const btRigidBody*> partners;  ///< rigid members of groups, sorted
 };
 
 /// Puts whole groups to sleep and wakes them, by Bullet's own rules (gDeactivationTime, gDisableDeactivation,
@@ -102,8 +104,9 @@ struct SleepScratch {
 /// Bullet has no link between the points of a body and would put them to sleep one by one. So the
 /// deactivation timer of awake points stays at 0. A group goes to sleep in one tick, when all its members
 /// have been calm for gDeactivationTime and no awake body may touch any of them in the coming tick. It wakes
-/// when one may. Returns the groups that are awake.
-void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
+/// when one may, or a kinematic object that is awake or moves. Returns the groups that are awake.
+void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world,
+                 const MovingObjects& objects, const KinematicMotions& kinematic, btScalar tick,
                  SleepScratch& scratch, AwakeGroups& awake);
 
 // --- stepping ----------------------------------------------------------------------------------------------

@@ -26,12 +26,6 @@ void forgetPartners(SoftBodyData& body) {
   body.softPartners.clear();
 }
 
-Eigen::AlignedBox3d boxOf(const btCollisionObject& object) {
-  btVector3 low, high;
-  object.getCollisionShape()->getAabb(object.getWorldTransform(), low, high);
-  return {toEigen(low), toEigen(high)};
-}
-
 /// Returns whether part of the box is below a plane's surface or within its margin. A plane's own box is
 /// infinite.
 bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plane, const btTransform& pose) {

@@ -97,6 +97,13 @@ inline Eigen::AlignedBox3d presentBoundsOf(const SoftBodyData& other) {
   return {x.rowwise().minCoeff().array() - margin, x.rowwise().maxCoeff().array() + margin};
 }
 
+/// Returns the box (m) of an object's shape at its present pose.
+inline Eigen::AlignedBox3d boxOf(const btCollisionObject& object) {
+  btVector3 low, high;
+  object.getCollisionShape()->getAabb(object.getWorldTransform(), low, high);
+  return {toEigen(low), toEigen(high)};
+}
+
 /// Returns the bounds (m) of a rigid body in a tick if nothing stops it.
 Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick);
 

@@ -161,7 +161,8 @@ bool isIslandMarked(LinkedGroup& group, const SleepScratch& s) {
 Eigen::AlignedBox3d boxOf(SoftBodyData& body, double tick) {
   const MotionSums& sums = sumsOf(body);
   const double fall = tick * tick * double(body.world->getGravity().length());
-  const double margin = 4.0 / 3.0 * radiusOf(body) + kSearchPerMotion * (tick * std::sqrt(sums.fastest) + fall);
+  const double margin =
+      4.0 / 3.0 * radiusOf(body) + kSearchPerMotion * (tick * std::sqrt(sums.fastest) + fall);
   const Eigen::Vector3d path = kSearchPerMotion * tick * Eigen::Map<const Eigen::Vector3d>(sums.meanVelocity);
   const Eigen::Vector3d low = Eigen::Map<const Eigen::Vector3d>(sums.low) + path.cwiseMin(0.0);
   const Eigen::Vector3d high = Eigen::Map<const Eigen::Vector3d>(sums.high) + path.cwiseMax(0.0);
@@ -172,12 +173,12 @@ bool isQuiet(const LinkedGroup& group) { return group.asleep || wantsSleep(group
 
 void addBoxes(LinkedGroup& group, double tick, std::vector<SleepBox>& boxes) {
   for (SoftBodyData* body : group.bodies)
-    if (body->surface.object) boxes.push_back({boxOf(*body, tick), body->surface.object, &group});
+    boxes.push_back({boxOf(*body, tick), body->surface.object, body, &group});
 }
 
 void addAwake(const btRigidBody& body, double tick, SleepScratch& s) {
   markIsland(body, s);
-  if (body.mergesSimulationIslands()) s.awake.push_back({boundsOf(body, tick), &body, nullptr});
+  if (body.mergesSimulationIslands()) s.awake.push_back({boundsOf(body, tick), &body, nullptr, nullptr});
 }
 
 void addAwake(LinkedGroup& group, double tick, SleepScratch& s) {
@@ -187,26 +188,27 @@ void addAwake(LinkedGroup& group, double tick, SleepScratch& s) {
   forEachMember(group, [&](const btRigidBody& member) { markIsland(member, s); });
 }
 
-void listPartners(const std::vector<LinkedGroup>& groups, std::vector<const btCollisionObject*>& partners) {
+void listPartners(const std::vector<LinkedGroup>& groups, std::vector<const btRigidBody*>& partners) {
   partners.clear();
   for (const LinkedGroup& group : groups)
     for (const RigidPartner& partner : group.rigids) partners.push_back(partner.body);
   std::sort(partners.begin(), partners.end(), std::less<>());
 }
 
-/// Adds the awake bodies that are in no group.
-void addOthersAwake(const std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, double tick,
-                    SleepScratch& s) {
+/// Adds the awake objects that are in no group.
+void addOthersAwake(const std::vector<LinkedGroup>& groups, const MovingObjects& objects,
+                    const KinematicMotions& kinematic, double tick, SleepScratch& s) {
   listPartners(groups, s.partners);
-  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  s.islands.assign(static_cast<std::size_t>(objects.size()), 0);
-  for (int i = 0; i < objects.size(); ++i) {
-    btRigidBody* body = btRigidBody::upcast(objects[i]);
-    if (!body || !body->isActive() || body->isStaticOrKinematicObject() || isSoft(body)) continue;
-    if (body->wantsSleeping() || std::binary_search(s.partners.begin(), s.partners.end(), body, std::less<>()))
-      continue;
-    addAwake(*body, tick, s);
-  }
+  for (btRigidBody* body : objects.dynamic)
+    if (!body->wantsSleeping() &&
+        !std::binary_search(s.partners.begin(), s.partners.end(), body, std::less<>()))
+      addAwake(*body, tick, s);
+  for (const btMultiBodyLinkCollider* link : objects.links)
+    if (link->isActive() && link->getActivationState() != WANTS_DEACTIVATION && link->getBroadphaseHandle())
+      s.awake.push_back({boundsOf(*link), link, nullptr, nullptr});
+  for (const KinematicMotion& m : kinematic.all())
+    if (m.moves() || m.object->isActive())
+      s.awake.push_back({{toEigen(m.low), toEigen(m.high)}, m.object, nullptr, nullptr});
 }
 
 /// Wakes a sleeping group, and keeps one awake that wants to sleep.
@@ -218,13 +220,24 @@ void stir(LinkedGroup& group, double tick, SleepScratch& s) {
   addAwake(group, tick, s);
 }
 
-/// Stirs the quiet groups with a surface that something awake may touch in the coming tick.
+/// Bullet's islands decide for contacts of point masses with dynamic bodies.
+bool mayTouch(const SoftBodyData& body, const SleepBox& awake) {
+  if (!awake.object || !canHit(body, *awake.object->getBroadphaseHandle())) return false;
+  if (isSurfaceBody(body)) return true;
+  if (!isKinematic(*awake.object)) return false;
+  const double size = 4.0 / 3.0 * radiusOf(body);
+  const Eigen::AlignedBox3d reach(awake.box.min().array() - size, awake.box.max().array() + size);
+  for (std::uint32_t i = 0; i < pointCount(body); ++i)
+    if (reach.contains(body.state.position.col(i)) && canHit(body, i, *awake.object)) return true;
+  return false;
+}
+
+/// Stirs the quiet groups that something awake may touch in the coming tick.
 void stirTouched(const SleepBox& awake, double tick, SleepScratch& s) {
   const auto isBefore = [](const SleepBox& box, double x) { return box.box.min().x() < x; };
   auto it = std::lower_bound(s.quiet.begin(), s.quiet.end(), awake.box.min().x() - s.widest, isBefore);
   for (; it != s.quiet.end() && it->box.min().x() <= awake.box.max().x(); ++it)
-    if (isQuiet(*it->group) && it->box.intersects(awake.box) &&
-        arePaired(*it->group->bodies[0], *it->object, *awake.object))
+    if (isQuiet(*it->group) && it->box.intersects(awake.box) && mayTouch(*it->body, awake))
       stir(*it->group, tick, s);
 }
 
@@ -239,10 +252,10 @@ void listQuiet(std::vector<LinkedGroup>& groups, double tick, SleepScratch& s) {
 }
 
 /// Stirs all groups that something awake touches, and those that these touch.
-void stirQuiet(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, double tick,
-               SleepScratch& s) {
+void stirQuiet(std::vector<LinkedGroup>& groups, const MovingObjects& objects,
+               const KinematicMotions& kinematic, double tick, SleepScratch& s) {
   s.awake.clear();
-  addOthersAwake(groups, world, tick, s);
+  addOthersAwake(groups, objects, kinematic, tick, s);
   for (LinkedGroup& group : groups)
     if (!isQuiet(group)) addAwake(group, tick, s);
   if (s.awake.empty() && std::none_of(groups.begin(), groups.end(), wantsSleep)) return;
@@ -261,14 +274,16 @@ void stirQuiet(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world,
 
 }  // namespace
 
-void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, btScalar tick,
+void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world,
+                 const MovingObjects& objects, const KinematicMotions& kinematic, btScalar tick,
                  SleepScratch& scratch, AwakeGroups& awake) {
+  scratch.islands.assign(static_cast<std::size_t>(world.getNumCollisionObjects()), 0);
   bool anyQuiet = false;
   for (LinkedGroup& group : groups) {
     updateCalmTime(group, tick);
     anyQuiet = anyQuiet || isQuiet(group);
   }
-  if (anyQuiet) stirQuiet(groups, world, double(tick), scratch);
+  if (anyQuiet) stirQuiet(groups, objects, kinematic, double(tick), scratch);
   awake.clear();
   for (LinkedGroup& group : groups) {
     rememberCalmTime(group);

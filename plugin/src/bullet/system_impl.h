@@ -123,6 +123,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   Parallel parallel;  // runs the stages that it is passed to, or that say so
   std::mutex lock;    // SoftBodyData::worldLock
   StepPlan plan;
+  MovingObjects objects;
   KinematicMotions kinematic;
   MultiBodyLinks links;
   TickContacts pairs;  // contacts in which more than one body moves

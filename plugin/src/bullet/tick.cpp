@@ -85,13 +85,6 @@ bool isMuch(const std::vector<SoftBodyData*>& bodies, std::size_t fromSprings) {
   return springs >= fromSprings;
 }
 
-bool hasLinks(const btCollisionWorld& world) {
-  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  for (int i = 0; i < objects.size(); ++i)
-    if (btMultiBodyLinkCollider::upcast(objects[i])) return true;
-  return false;
-}
-
 }  // namespace
 
 // --- all systems of a world --------------------------------------------------------------------------------
@@ -168,15 +161,16 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   const StopWatch watch(profile.readMs);
   rebuildGroupsIfNeeded();
   for (Impl* system : systems) system->clearForcesOnNewStep();
-  collectPartners(*world, this, true);
-  kinematic.follow(*world, tick);
+  objects.find(*world);
+  kinematic.follow(*world, objects, tick);
   links.begin(*world);
-  collectMovers(*world, kinematic, this, tick);
   for (Impl* system : systems)
     if (system->surroundings.air.windAt)
       for (auto& body : system->bodies)
         if (body->data_->alive && isBlownAwake(*body->data_)) wakeBody(*body->data_, true);
-  updateSleep(groups, *world, tick, sleepScratch, awake);
+  updateSleep(groups, *world, objects, kinematic, tick, sleepScratch, awake);
+  collectPartners(*world, this);
+  collectMovers(*world, objects, kinematic, this, tick);
   moving.clear();
   for (const LinkedGroup* group : awake)
     moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());
@@ -200,7 +194,7 @@ void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
     for (SoftBodyData* body : moving) applyFields(*body, double(tick));
   if (boxesLater)
     for (LinkedGroup* group : awake) changed = updateBroadphaseBoxes(*group, tick) || changed;
-  if (changed) collectPartners(*world, this, false);
+  if (changed) collectPartners(*world, this);
 }
 
 void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
@@ -209,7 +203,7 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
   rigidSurfaces.clear();
   // links of multibodies are numbered in the order in which they are found
   const Parallel inOrder;
-  (parallel.isOn() && hasLinks(*world) ? inOrder : parallel).forEach(awake.size(), [&](std::size_t g) {
+  (parallel.isOn() && !objects.links.empty() ? inOrder : parallel).forEach(awake.size(), [&](std::size_t g) {
     gatherGroup(*awake[g], tick);
   });
   shareSoftPartners(awake);
