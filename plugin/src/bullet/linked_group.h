@@ -96,6 +96,7 @@ struct SleepScratch {
   std::vector<SleepBox> awake, quiet;  ///< `quiet`: of groups that sleep or want to, sorted by the lowest x
   double widest = 0.0;                 ///< m along x, of `quiet`
   std::vector<const btRigidBody*> partners;  ///< rigid members of groups, sorted
+  std::vector<const btRigidBody*> calm;      ///< rigid bodies in no group that want to sleep
 };
 
 /// Puts whole groups to sleep and wakes them, by Bullet's own rules (gDeactivationTime, gDisableDeactivation,

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -199,10 +200,14 @@ void listPartners(const std::vector<LinkedGroup>& groups, std::vector<const btRi
 void addOthersAwake(const std::vector<LinkedGroup>& groups, const MovingObjects& objects,
                     const KinematicMotions& kinematic, double tick, SleepScratch& s) {
   listPartners(groups, s.partners);
-  for (btRigidBody* body : objects.dynamic)
-    if (!body->wantsSleeping() &&
-        !std::binary_search(s.partners.begin(), s.partners.end(), body, std::less<>()))
+  s.calm.clear();
+  for (btRigidBody* body : objects.dynamic) {
+    if (std::binary_search(s.partners.begin(), s.partners.end(), body, std::less<>())) continue;
+    if (body->wantsSleeping())
+      s.calm.push_back(body);
+    else
       addAwake(*body, tick, s);
+  }
   for (const btMultiBodyLinkCollider* link : objects.links)
     if (link->isActive() && link->getActivationState() != WANTS_DEACTIVATION && link->getBroadphaseHandle())
       s.awake.push_back({boundsOf(*link), link, nullptr, nullptr});
@@ -232,6 +237,23 @@ bool mayTouch(const SoftBodyData& body, const SleepBox& awake) {
   return false;
 }
 
+/// Stirs the groups that want to sleep in one of Bullet's islands that stays awake. Adds the
+/// rigid bodies that want to as well: Bullet does not let them. Returns whether there are any.
+bool stirInIslands(std::vector<LinkedGroup>& groups, double tick, SleepScratch& s) {
+  bool any = false;
+  for (LinkedGroup& group : groups) {
+    if (group.asleep || !wantsSleep(group) || !isIslandMarked(group, s)) continue;
+    stir(group, tick, s);
+    any = true;
+  }
+  for (const btRigidBody*& body : s.calm) {
+    if (!body || !inMarkedIsland(*body, s)) continue;
+    addAwake(*std::exchange(body, nullptr), tick, s);
+    any = true;
+  }
+  return any;
+}
+
 /// Stirs the quiet groups that something awake may touch in the coming tick.
 void stirTouched(const SleepBox& awake, double tick, SleepScratch& s) {
   const auto isBefore = [](const SleepBox& box, double x) { return box.box.min().x() < x; };
@@ -258,18 +280,12 @@ void stirQuiet(std::vector<LinkedGroup>& groups, const MovingObjects& objects,
   addOthersAwake(groups, objects, kinematic, tick, s);
   for (LinkedGroup& group : groups)
     if (!isQuiet(group)) addAwake(group, tick, s);
-  if (s.awake.empty() && std::none_of(groups.begin(), groups.end(), wantsSleep)) return;
+  if (s.awake.empty() && s.calm.empty() && std::none_of(groups.begin(), groups.end(), wantsSleep)) return;
   listQuiet(groups, tick, s);
   std::size_t next = 0;
-  for (bool changed = true; changed;) {
-    changed = false;
+  do
     for (; next < s.awake.size(); ++next) stirTouched(SleepBox(s.awake[next]), tick, s);
-    for (LinkedGroup& group : groups) {
-      if (group.asleep || !wantsSleep(group) || !isIslandMarked(group, s)) continue;
-      stir(group, tick, s);
-      changed = true;
-    }
-  }
+  while (stirInIslands(groups, tick, s));
 }
 
 }  // namespace
