@@ -93,38 +93,44 @@ class Motions {
 
 // --- may they meet? ----------------------------------------------------------------------------------------
 
-/// The least and the largest coordinate (m) along a direction.
-struct Extent {
-  double low, high;
-};
-
 Extent extentOf(const AlignedBox3d& box, const Vector3d& direction) {
   const double middle = direction.dot(box.center()), half = 0.5 * direction.cwiseAbs().dot(box.sizes());
   return {middle - half, middle + half};
 }
 
-/// Returns the extent of a surface without its radius, while it is displaced within a box.
-Extent extentOf(const MovingSurface& surface, const AlignedBox3d& displacement, const Vector3d& direction) {
-  const Extent moved = extentOf(displacement, direction);
+Extent extentOf(const Points& points, const Vector3d& direction) {
   Extent all{SweptBox::kEmpty, -SweptBox::kEmpty};
-  for (Eigen::Index i = 0; i < surface.position->cols(); ++i) {
-    const double at = direction.dot(surface.position->col(i));
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const double at = direction.dot(points.col(i));
     all = {std::min(all.low, at), std::max(all.high, at)};
   }
-  return {all.low + std::min(0.0, moved.low), all.high + std::max(0.0, moved.high)};
+  return all;
+}
+
+/// Returns the extent while it is displaced within a box.
+Extent displaced(const Extent& extent, const AlignedBox3d& displacement, const Vector3d& direction) {
+  const Extent moved = extentOf(displacement, direction);
+  return {extent.low + std::min(0.0, moved.low), extent.high + std::max(0.0, moved.high)};
+}
+
+bool separates(const SeparatingAxis& s, const AlignedBox3d& motionsOfA, const AlignedBox3d& motionsOfB) {
+  const Extent a = displaced(s.a, motionsOfA, s.direction), b = displaced(s.b, motionsOfB, s.direction);
+  return a.low > b.high || b.low > a.high;
 }
 
 /// Returns whether two surfaces, without their radii, may meet if each moves by a displacement (m) in its
-/// box: whether their extents along 13 directions do. Overlaps of the radii alone are found in the next tick.
+/// box: whether their extents along 13 directions do. If not, sets `found`. Overlaps of the radii alone are
+/// found in the next tick.
 bool mayMeet(const MovingSurface& a, const AlignedBox3d& motionsOfA, const MovingSurface& b,
-             const AlignedBox3d& motionsOfB) {
+             const AlignedBox3d& motionsOfB, SeparatingAxis& found) {
   // one of each two opposite ones of the 26 directions to the neighbours of a cell
   for (int i = 14; i < 27; ++i) {
     const Eigen::Vector3i cell(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     const Vector3d direction = cell.cast<double>().normalized();
-    const Extent ofA = extentOf(a, motionsOfA, direction), ofB = extentOf(b, motionsOfB, direction);
-    if (ofA.low > ofB.high || ofB.low > ofA.high) return false;
+    found = {true, direction, extentOf(*a.position, direction), extentOf(*b.position, direction)};
+    if (separates(found, motionsOfA, motionsOfB)) return false;
   }
+  found.isKnown = false;
   return true;
 }
 
@@ -132,17 +138,25 @@ bool mayMeet(const MovingSurface& a, const AlignedBox3d& motionsOfA, const Movin
 
 bool isBetweenMovingBodies(const SurfaceCandidate& m) { return !m.held && m.other != m.body; }
 
+bool mayTouchNow(const SurfaceCandidate& m, Motions& motions, double tick, SurfaceSearch& search,
+                 SeparatingAxis& axis) {
+  const AlignedBox3d &a = motions.of(*m.body), &b = motions.ofOther(m);
+  if (axis.isKnown && separates(axis, a, b)) return false;
+  const MovingSurface& other = m.other ? m.other->surface.moving : m.part->moving;
+  return mayMeet(m.body->surface.moving, a, other, b, axis) && mayTouch(m, tick, search);
+}
+
 /// Moves the pairs that may touch now to found.candidates. Returns whether there are any.
 bool takeStopped(Motions& motions, TickContacts& found, SurfaceSearch& search) {
   std::size_t kept = 0;
-  for (SurfaceCandidate& m : found.waiting) {
+  for (std::size_t i = 0; i < found.waiting.size(); ++i) {
+    SurfaceCandidate& m = found.waiting[i];
     m.stopped = motions.ofBoth(m).diagonal().norm();
-    const MovingSurface& other = m.other ? m.other->surface.moving : m.part->moving;
-    if (mayMeet(m.body->surface.moving, motions.of(*m.body), other, motions.ofOther(m)) &&
-        mayTouch(m, found.tick, search)) {
+    if (mayTouchNow(m, motions, found.tick, search, search.axes[i])) {
       if (m.partner) found.add(*m.partner);
       found.candidates.push_back(m);
     } else {
+      search.axes[kept] = search.axes[i];
       found.waiting[kept++] = m;
     }
   }
@@ -156,6 +170,7 @@ bool takeStopped(Motions& motions, TickContacts& found, SurfaceSearch& search) {
 void addStoppedPairs(btDispatcher& dispatcher, TickContacts& found, SurfaceSearch& search) {
   if (found.waiting.empty()) return;
   Motions motions(found.tick, search);
+  search.axes.assign(found.waiting.size(), SeparatingAxis());
   for (const SurfaceCandidate& m : found.waiting) motions.start(m);
   for (const SurfaceCandidate& m : found.candidates)
     if (isBetweenMovingBodies(m)) motions.start(m);

@@ -24,6 +24,18 @@ struct RigidMotions {
   Eigen::AlignedBox3d box;  ///< m
 };
 
+/// The least and the largest coordinate (m) along a direction.
+struct Extent {
+  double low = 0.0, high = 0.0;
+};
+
+/// A direction along which two surfaces, without their radii, are apart, and their extents.
+struct SeparatingAxis {
+  bool isKnown = false;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  Extent a, b;
+};
+
 /// Scratch memory of a search, kept between calls.
 struct SurfaceSearch {
   ContactSearch search;
@@ -31,6 +43,7 @@ struct SurfaceSearch {
   std::vector<HeldPiece> pieces;
   std::vector<RigidPart*> parts;
   std::vector<RigidMotions> motions;    ///< of addStoppedPairs()
+  std::vector<SeparatingAxis> axes;     ///< of addStoppedPairs(), #TickContacts::waiting
   std::vector<std::uint32_t> motionOf;  ///< index in `motions`, by index in the world's list of objects
 };
 

@@ -184,13 +184,16 @@ Mobility momentArmMobility(const IslandConstraints& rows, const ContactConstrain
 /// over a side, and both changes are the smallest possible. The relative tangential speed grows by
 /// sum l_i (n . v_i): the surfaces touch halfway, and rotate. A rigid body's contact point moves by the rest
 /// that soft points cannot correct.
-void alignContactPoints(IslandConstraints& rows, std::size_t contact) {
-  ContactConstraint& row = rows.rows[contact];
-  if (row.couple == Couple::None) return;
+///
+/// The velocities at the end of a substep and the positions of the next one are solved at the same positions.
+void alignContactPoints(IslandConstraints& rows, std::size_t index) {
+  ContactConstraint& row = rows.rows[index];
+  if (row.aligned) return;
+  row.aligned = true;
   if (row.couple == Couple::Soft)
     alignSoft(rows, row);
   else
-    alignRigid(rows, row, rows.contacts[contact]);
+    alignRigid(rows, row, contactOf(rows, index));
   // with masses that are too large the sweeps would diverge
   setMobility(row, momentArmMobility(rows, row));
 }
@@ -368,21 +371,6 @@ void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstrain
   if (row.bounces) row.softness = 0.0, row.maxWork = HUGE_VAL;
 }
 
-/// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.
-struct Change {
-  double largest = 0.0, energy = 0.0;
-  void add(double squaredImpulse, double mobility) {
-    const double work = squaredImpulse * mobility;
-    largest = std::max(largest, work * mobility);
-    energy += work;
-  }
-  void add(const Vector3d& velocity, const Vector3d& impulse) {
-    largest = std::max(largest, velocity.squaredNorm());
-    energy -= velocity.dot(impulse);
-  }
-  bool within(double tolerance) const { return largest <= tolerance * tolerance; }
-};
-
 /// One stage of all rows of an island. Contacts without an impulse that are not violated either are left out
 /// of the sweeps, and tested again after these.
 ///
@@ -393,6 +381,7 @@ struct Change {
 struct Solve {
   IslandConstraints& rows;
   LinkedBodies& bodies;
+  Team& team;
   Stage stage;
   double dt = 0.0;         ///< s, of the drift after which anchors coincide; 0 for velocities
   double tolerance = 0.0;  ///< m/s, of the present sweep
@@ -408,7 +397,19 @@ struct Solve {
     limber::applyImpulse(bodies, anchor, change);
   }
 
-  void activate(std::uint32_t i) {
+  template <class Visit>
+  void forEachSet(Visit visit) const {
+    limber::forEachSet(rows, team, visit);
+  }
+
+  /// Calls visit(i, row) for the active rows of a set.
+  template <class Visit>
+  void forEachActive(const RowSet& set, Visit visit) const {
+    for (std::uint32_t k = set.begin; k < set.begin + set.activeCount; ++k)
+      visit(rows.active[k], rows.rows[rows.active[k]]);
+  }
+
+  void activate(RowSet& set, std::uint32_t i) const {
     alignContactPoints(rows, i);
     ContactConstraint& row = rows.rows[i];
     row.active = true;
@@ -417,10 +418,21 @@ struct Solve {
     row.direction = ContactVector();
     row.change = ContactVector();
     rows.changedIn[row.bodyA] = rows.changedIn[row.bodyB] = count;
-    rows.active.push_back(i);
+    rows.active[set.begin + set.activeCount++] = i;
   }
 
-  /// Applies the impulses of the last substep as a warm start.
+  /// Applies the impulse of the last substep as a warm start.
+  void start(RowSet& set, std::uint32_t i) const {
+    ContactConstraint& row = rows.rows[i];
+    ContactVector& sum = impulse(row);
+    const bool takesPart = row.mass > 0.0 && (stage == Stage::Positions || row.positionImpulse.n > 0.0);
+    row.active = false;
+    if (!takesPart || sum.n <= 0.0) sum = ContactVector();
+    row.before = sum;
+    if (sum.n > 0.0 || (takesPart && stage == Stage::Velocities)) activate(set, i);
+    if (sum.n > 0.0) apply(row, sum);
+  }
+
   void start() {
     for (JointConstraint& j : rows.joints) {
       apply(j, impulse(j));
@@ -430,34 +442,38 @@ struct Solve {
       apply(anchor, impulse(anchor));
       anchor.direction.setZero();
     }
-    rows.active.clear();
-    for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
-      ContactConstraint& row = rows.rows[i];
-      ContactVector& sum = impulse(row);
-      const bool takesPart = row.mass > 0.0 && (stage == Stage::Positions || row.positionImpulse.n > 0.0);
-      row.active = false;
-      if (!takesPart || sum.n <= 0.0) sum = ContactVector();
-      row.before = sum;
-      if (sum.n > 0.0 || (takesPart && stage == Stage::Velocities)) activate(i);
-      if (sum.n > 0.0) apply(row, sum);
-    }
+    forEachSet([&](RowSet& set) {
+      set.activeCount = 0;
+      for (std::uint32_t i = set.begin; i < set.end; ++i) start(set, i);
+    });
     if (stage == Stage::Positions) activateViolated();
   }
 
+  std::uint32_t activeCount() const {
+    std::uint32_t sum = 0;
+    for (const RowSet& set : rows.sets) sum += set.activeCount;
+    return sum;
+  }
+
   /// Activates the contacts that the coming drift would violate. Returns whether there are any.
-  bool activateViolated() {
-    const std::size_t before = rows.active.size();
-    for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
-      const ContactConstraint& row = rows.rows[i];
-      if (!row.active && row.mass > 0.0 && speedAlong(rows, row) < row.target) activate(i);
-    }
-    if (rows.active.size() == before) return false;
-    std::sort(rows.active.begin(), rows.active.end());
-    return true;
+  bool activateViolated() const {
+    const std::uint32_t before = activeCount();
+    forEachSet([&](RowSet& set) {
+      const std::uint32_t countBefore = set.activeCount;
+      for (std::uint32_t i = set.begin; i < set.end; ++i) {
+        const ContactConstraint& row = rows.rows[i];
+        if (!row.active && row.mass > 0.0 && speedAlong(rows, row) < row.target) activate(set, i);
+      }
+      const auto first = rows.active.begin() + set.begin;
+      if (set.activeCount > countBefore) std::sort(first, first + set.activeCount);
+    });
+    return activeCount() > before;
   }
 
   void restoreMinFriction() const {
-    for (const std::uint32_t i : rows.active) rows.rows[i].minFrictionChange = kMinFrictionChange;
+    for (const RowSet& set : rows.sets)
+      forEachActive(
+          set, [](std::uint32_t, ContactConstraint& row) { row.minFrictionChange = kMinFrictionChange; });
   }
 
   /// The limits follow the contact like friction cones, see kFreeSweeps.
@@ -480,9 +496,8 @@ struct Solve {
 
   bool hasOnlyContacts() const { return rows.joints.empty() && bodies.anchors.empty(); }
 
-  /// `free`: friction cones follow the normal impulses. `all`: leaves out no contact.
-  Change sweep(bool free, bool all) {
-    Change change;
+  SweepChange sweepJoints(bool free) const {
+    SweepChange change;
     for (JointConstraint& j : rows.joints) {
       if (j.mass == 0.0) continue;
       if (free && j.contact != JointConstraint::kHeld) limitRolling(j);
@@ -496,19 +511,37 @@ struct Solve {
       impulse(anchor) += anchor.change;
       change.add(error, anchor.change);
     }
-    rows.swept.clear();
-    for (const std::uint32_t i : rows.active) {
-      ContactConstraint& row = rows.rows[i];
-      if (!all && !isNearChange(row)) {
-        leaveOut(row);
-        continue;
-      }
-      rows.swept.push_back(i);
+    return change;
+  }
+
+  /// Adds to set.change.
+  void sweep(RowSet& set, bool free, bool all) const {
+    SweepChange change = set.change;
+    std::uint32_t swept = set.begin;
+    forEachActive(set, [&](std::uint32_t i, ContactConstraint& row) {
+      if (!all && !isNearChange(row)) return leaveOut(row);
+      rows.swept[swept++] = i;
       solveContact(rows, row, impulse(row), row.target, free);
       change.add(row.change.squaredNorm(), row.mobility);
       noteChange(row, row.change);
-    }
+    });
+    set.sweptCount = swept - set.begin;
+    set.change = change;
+  }
+
+  /// `free`: friction cones follow the normal impulses. `all`: leaves out no contact.
+  SweepChange sweep(bool free, bool all) const {
+    for (RowSet& set : rows.sets) set.change = SweepChange();
+    rows.sets[0].change = sweepJoints(free);
+    forEachSet([&](RowSet& set) { sweep(set, free, all); });
+    SweepChange change;
+    for (const RowSet& set : rows.sets) change.add(set.change);
     return change;
+  }
+
+  bool wasWhole() const {
+    return std::all_of(rows.sets.begin(), rows.sets.end(),
+                       [](const RowSet& set) { return set.sweptCount == set.activeCount; });
   }
 
   /// Makes a conjugate gradient step of `beta` times the last direction. The new direction is this step plus
@@ -526,25 +559,29 @@ struct Solve {
   void stepAlongDirections(double beta) const {
     for (JointConstraint& j : rows.joints) stepAlongDirection(j, beta);
     for (LinkAnchor& anchor : bodies.anchors) stepAlongDirection(anchor, beta);
-    for (const std::uint32_t i : rows.swept) {
-      ContactConstraint& row = rows.rows[i];
-      stepAlongDirection(row, beta);
-      noteChange(row, row.direction);
-    }
+    forEachSet([&](RowSet& set) {
+      for (std::uint32_t k = set.begin; k < set.begin + set.sweptCount; ++k) {
+        ContactConstraint& row = rows.rows[rows.swept[k]];
+        stepAlongDirection(row, beta);
+        noteChange(row, row.direction);
+      }
+    });
   }
 
-  bool hasNothingToDo() const { return rows.active.empty() && hasOnlyContacts(); }
+  bool hasNothingToDo() const { return hasOnlyContacts() && activeCount() == 0; }
 
   /// Ends an unfinished solve: errors remain between bodies, but no point goes into a static object.
-  void holdPoints() {
+  void holdPoints() const {
     if (stage == Stage::Positions) activateViolated();
-    for (const std::uint32_t i : rows.active)
-      if (isOfPoint(rows.contacts[i]))
-        solveContact(rows, rows.rows[i], impulse(rows.rows[i]), rows.rows[i].target, false);
+    forEachSet([&](RowSet& set) {
+      forEachActive(set, [&](std::uint32_t i, ContactConstraint& row) {
+        if (isOfPoint(contactOf(rows, i))) solveContact(rows, row, impulse(row), row.target, false);
+      });
+    });
   }
 
   int run() {
-    rows.changedIn.assign(bodies.points.size() + bodies.rigids.size(), 0);
+    std::fill(rows.changedIn.begin(), rows.changedIn.end(), 0);
     start();
     tolerance = rows.empty() ? kTightTolerance : rows.tolerance;
     double before = 0.0;
@@ -552,14 +589,14 @@ struct Solve {
     bool all = true;
     for (count = 1; !hasNothingToDo(); ++count) {
       if (stage == Stage::Velocities && count == kExactSweeps) tolerance *= kLargerTolerance;
-      const Change change = sweep(count <= lastFree, all);
+      const SweepChange change = sweep(count <= lastFree, all);
       if (count == kMaxSweeps) {
         holdPoints();
         return count;
       }
-      const bool converged = change.within(tolerance), wasWhole = rows.swept.size() == rows.active.size();
-      all = !hasOnlyContacts() || (converged && !wasWhole);
-      const bool ends = converged && wasWhole;
+      const bool converged = change.within(tolerance), whole = wasWhole();
+      all = !hasOnlyContacts() || (converged && !whole);
+      const bool ends = converged && whole;
       if (ends && (stage == Stage::Velocities || !activateViolated())) return count;
       if (ends) lastFree = count + kFreeSweeps, restoreMinFriction();
       // restart the directions where the last sweep has changed more than the one before
@@ -584,22 +621,25 @@ bool startSolve(IslandConstraints& rows, LinkedBodies& bodies) {
 
 }  // namespace
 
-int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, double tick) {
+int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, Team& team, double dt, double tick) {
   if (!startSolve(rows, bodies)) return 0;
   aimAnchors(bodies, dt, tick);
   const bool anchored = !bodies.anchors.empty();
-  for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    setTarget(rows, rows.contacts[i], rows.rows[i], anchored, dt, tick);
-  return Solve{rows, bodies, Stage::Positions, dt}.run();
+  forEachRow(rows, team,
+             [&](std::size_t i) { setTarget(rows, contactOf(rows, i), rows.rows[i], anchored, dt, tick); });
+  return Solve{rows, bodies, team, Stage::Positions, dt}.run();
 }
 
-int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies) {
+int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies, Team& team) {
   if (!startSolve(rows, bodies)) return 0;
-  for (ContactConstraint& row : rows.rows)
+  forEachRow(rows, team, [&](std::size_t i) {
+    ContactConstraint& row = rows.rows[i];
     row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
-  const int sweeps = Solve{rows, bodies, Stage::Velocities}.run();
-  for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    if (rows.contacts[i].restitution > 0.0) rows.rows[i].lastSpeed = speedAlong(rows, rows.rows[i]);
+  });
+  const int sweeps = Solve{rows, bodies, team, Stage::Velocities}.run();
+  forEachRow(rows, team, [&](std::size_t i) {
+    if (contactOf(rows, i).restitution > 0.0) rows.rows[i].lastSpeed = speedAlong(rows, rows.rows[i]);
+  });
   return sweeps;
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace limber {
 namespace {
@@ -207,15 +208,6 @@ void excludePinned(IslandConstraints& rows, ContactConstraint& row) {
   row.surfaceSpeeds += {-speeds.x(), -speeds.y(), -speeds.z()};
 }
 
-void setBodies(ContactConstraint& row, const Contact& c, const LinkedBodies& bodies) {
-  const auto indexOf = [&](const ContactPoint& side) {
-    const bool isRigid = side.kind == ContactPoint::Kind::Rigid;
-    return side.body + (isRigid ? static_cast<std::uint32_t>(bodies.points.size()) : 0);
-  };
-  row.bodyA = indexOf(c.a.kind == ContactPoint::Kind::World ? c.b : c.a);
-  row.bodyB = indexOf(c.b.kind == ContactPoint::Kind::World ? c.a : c.b);
-}
-
 void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& c, LinkedBodies& bodies) {
   setAxes(row, c.normal);
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
@@ -230,9 +222,10 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   setMobility(row, Mobility::from(axes.transpose() * mobilityOf(rows, row, c, bodies) * axes));
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
-  setBodies(row, c, bodies);
+  std::tie(row.bodyA, row.bodyB) = bodiesOf(c, bodies);
   row.gap = c.gap;
   excludePinned(rows, row);
+  row.aligned = row.couple == Couple::None;
   row.friction = c.friction;
   row.positionImpulse = inAxes(row, c.positionImpulse);
   row.velocityImpulse = inAxes(row, c.velocityImpulse);
@@ -260,8 +253,9 @@ void setNormal(Contact& c, ContactConstraint& row, const Vector3d& normal) {
 void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal, double gap,
              const double* weights) {
   ContactConstraint& row = rows.rows[index];
-  setNormal(rows.contacts[index], row, normal);
-  const Vector3d beltSpeeds = inAxes(row, rows.contacts[index].b.velocity);
+  Contact& contact = contactOf(rows, index);
+  setNormal(contact, row, normal);
+  const Vector3d beltSpeeds = inAxes(row, contact.b.velocity);
   row.surfaceSpeeds = {0.0, 0.0 - beltSpeeds[1], 0.0 - beltSpeeds[2]};
   row.gap = gap;
   Vector3d mobility = Vector3d::Zero();
@@ -277,7 +271,7 @@ void moveRow(IslandConstraints& rows, std::size_t index, const Vector3d& normal,
 
 void followPlane(IslandConstraints& rows, std::size_t index) {
   const ContactConstraint& row = rows.rows[index];
-  const PlaneContact& held = *rows.contacts[index].held;
+  const PlaneContact& held = *contactOf(rows, index).held;
   if (held.away) return disable(rows.rows[index]);
   const double fullWeight = 1.0;
   const ConstMap x(rows.momentArms[row.firstPoint].position);
@@ -315,7 +309,7 @@ NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vecto
 
 void followCorners(IslandConstraints& rows, std::size_t index) {
   ContactConstraint& row = rows.rows[index];
-  const HeldCorners& held = rows.contacts[index].corners;
+  const HeldCorners& held = contactOf(rows, index).corners;
   std::array<Vector3d, 3> x;
   const std::uint32_t count = row.endPoint - row.firstPoint;
   for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.momentArms[row.firstPoint + i].position);
@@ -332,7 +326,7 @@ void followCorners(IslandConstraints& rows, std::size_t index) {
 /// stop points that pass each other.
 void followSpheres(IslandConstraints& rows, std::size_t index, double dt) {
   ContactConstraint& row = rows.rows[index];
-  const double radiusSum = rows.contacts[index].spheres;
+  const double radiusSum = contactOf(rows, index).spheres;
   const std::uint32_t a = row.firstPoint, b = row.firstOfB;
   const Vector3d offset = ConstMap(rows.momentArms[a].position) - ConstMap(rows.momentArms[b].position);
   const Vector3d velocity = ConstMap(rows.points[a].velocity) - ConstMap(rows.points[b].velocity);
@@ -379,12 +373,11 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   rows.momentArms.clear();
   rows.rotations.clear();
   rows.rows.resize(rows.contacts.size());
-  rows.active.reserve(rows.contacts.capacity());
-  rows.swept.reserve(rows.contacts.capacity());
   findAnchored(rows, bodies);
   reserveScaledMasses(rows);
-  for (std::size_t i = 0; i < rows.contacts.size(); ++i)
-    prepareRow(rows, rows.rows[i], rows.contacts[i], bodies);
+  divideRows(rows, bodies);
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    prepareRow(rows, rows.rows[i], contactOf(rows, i), bodies);
   for (ContactConstraint& row : rows.rows) row.lastSpeed = speedAlong(rows, row);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }
@@ -400,25 +393,30 @@ Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& veloci
   return offset + std::min(time, dt) * velocity;
 }
 
-void followContacts(IslandConstraints& rows, double dt) {
-  for (std::size_t i = 0; i < rows.contacts.size(); ++i)
-    if (rows.contacts[i].ended)
-      continue;
-    else if (rows.contacts[i].held)
+void followContacts(IslandConstraints& rows, Team& team, double dt) {
+  forEachRow(rows, team, [&](std::size_t i) {
+    const Contact& c = contactOf(rows, i);
+    if (c.ended) return;
+    if (c.held)
       followPlane(rows, i);
-    else if (rows.contacts[i].corners.count > 0)
+    else if (c.corners.count > 0)
       followCorners(rows, i);
-    else if (rows.contacts[i].spheres > 0.0)
+    else if (c.spheres > 0.0)
       followSpheres(rows, i, dt);
+  });
 }
 
-void updateGaps(IslandConstraints& rows, double dt) {
-  for (ContactConstraint& row : rows.rows) row.gap += dt * speedAlong(rows, row);
+void updateGaps(IslandConstraints& rows, Team& team, double dt) {
+  forEachRow(rows, team, [&](std::size_t i) {
+    ContactConstraint& row = rows.rows[i];
+    row.gap += dt * speedAlong(rows, row);
+    row.aligned = row.couple == Couple::None;
+  });
 }
 
 void finishConstraints(IslandConstraints& rows) {
   for (std::size_t i = 0; i < rows.contacts.size(); ++i) {
-    Contact& c = rows.contacts[i];
+    Contact& c = contactOf(rows, i);
     ContactConstraint& row = rows.rows[i];
     c.gap = row.gap + row.pinned;
     flushImpulse(c, row);

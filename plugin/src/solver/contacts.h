@@ -3,10 +3,13 @@
 
 // Contacts and joints between bodies that are stepped together, and the solver for all of them in a substep.
 
+#include "solver/division.h"
 #include "solver/links.h"
 #include "solver/plane_contacts.h"
 #include "solver/point_state.h"
+#include "solver/team.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -135,12 +138,12 @@ struct Mobility {
 /// The side that balances the couple of tangential impulses at two points that are apart along the normal.
 enum class Couple : std::uint8_t { None, Soft, Rigid };
 
-/// A contact in the form that the sweeps use.
-struct ContactConstraint : ContactTarget {
+/// A contact in the form that the sweeps use. Threads that sweep neighbouring rows share no cache line.
+struct alignas(64) ContactConstraint : ContactTarget {
   double axes[3][3];            ///< the normal and two tangents
   ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
-  std::uint32_t bodyA, bodyB;  ///< indices in IslandConstraints::changedIn; equal if only one side can move
+  std::uint32_t bodyA, bodyB;  ///< see bodiesOf()
   Couple couple;
   double gap;                    ///< m
   double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
@@ -154,10 +157,38 @@ struct ContactConstraint : ContactTarget {
   double slidingMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
   double maxFriction;            ///< N s, radius of the friction cone
   double minFrictionChange;      ///< share of maxFriction, see kMinFrictionChange (contact_solver.cpp)
-  bool active;  ///< takes part in the sweeps: has an impulse, or would be violated without one
+  bool aligned;  ///< its impulses act along one line at the present positions, see alignContactPoints()
+  bool active;   ///< takes part in the sweeps: has an impulse, or would be violated without one
   ContactVector positionImpulse, velocityImpulse,
       impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
   ContactVector before, change, direction;  ///< N s, scratch of the solver
+};
+
+/// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.
+struct SweepChange {
+  double largest = 0.0, energy = 0.0;
+
+  void add(double squaredImpulse, double mobility) {
+    const double work = squaredImpulse * mobility;
+    largest = std::max(largest, work * mobility);
+    energy += work;
+  }
+  void add(const Eigen::Vector3d& velocity, const Eigen::Vector3d& impulse) {
+    largest = std::max(largest, velocity.squaredNorm());
+    energy -= velocity.dot(impulse);
+  }
+  void add(const SweepChange& o) {
+    largest = std::max(largest, o.largest);
+    energy += o.energy;
+  }
+  bool within(double tolerance) const { return largest <= tolerance * tolerance; }
+};
+
+/// Consecutive rows that one thread sweeps, see IslandConstraints::sets.
+struct alignas(64) RowSet {
+  std::uint32_t begin = 0, end = 0;
+  std::uint32_t activeCount = 0, sweptCount = 0;  ///< in `active` and `swept`, from `begin` on
+  SweepChange change;                             ///< of the last sweep
 };
 
 /// The contacts and joints of an island, which couple its bodies in addition to springs.
@@ -167,13 +198,17 @@ struct IslandConstraints {
   bool empty() const { return contacts.empty() && joints.empty(); }
 
   // Written by the step.
-  std::vector<ContactConstraint> rows;  ///< #contacts
+  std::vector<ContactConstraint> rows;  ///< #contacts, in the order of their sets
+  std::vector<std::uint32_t> order;     ///< #rows, the contact of each
   std::vector<ConstraintPoint> points;
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<ConstraintRotation> rotations;
-  std::vector<std::uint32_t> active;  ///< rows in the sweeps of the present stage
-  std::vector<std::uint32_t> swept;   ///< those of them in the present sweep
+  std::vector<RowSet> sets;           ///< small islands have one
+  std::vector<Range> phases;          ///< of `sets`; the sets of a phase have no body in common
+  std::vector<std::uint32_t> active;  ///< #rows, by sets: rows in the sweeps of the present stage
+  std::vector<std::uint32_t> swept;   ///< likewise: those of them in the present sweep
   std::vector<int> changedIn;  ///< #soft bodies, then #rigid bodies: the last sweep that changed the body
+  std::vector<std::uint32_t> weights, slabs, byPlace;  ///< likewise, scratch of divideRows()
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
@@ -183,9 +218,39 @@ struct IslandConstraints {
                             ///< also kExactSweeps (contact_solver.cpp)
 };
 
+/// Returns the indices of the contact's bodies in IslandConstraints::changedIn; equal if only one side can
+/// move.
+inline std::pair<std::uint32_t, std::uint32_t> bodiesOf(const Contact& c, const LinkedBodies& bodies) {
+  using Kind = ContactPoint::Kind;
+  const auto indexOf = [&](const ContactPoint& side) {
+    return side.body + (side.kind == Kind::Rigid ? static_cast<std::uint32_t>(bodies.points.size()) : 0);
+  };
+  return {indexOf(c.a.kind == Kind::World ? c.b : c.a), indexOf(c.b.kind == Kind::World ? c.a : c.b)};
+}
+
 /// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
 /// changed within the tick (see finishConstraints).
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies);
+
+/// Divides the rows of a large island into sets, by slabs across its longest axis: first the rows inside the
+/// slabs, then those between neighbours. Sets `order`, `sets` and `phases`. They do not depend on the number
+/// of threads. Rows with joints or anchors are one set: those act through many bodies at once.
+void divideRows(IslandConstraints& rows, const LinkedBodies& bodies);
+
+/// Calls visit(set) for all sets, for those of a phase at the same time.
+template <class Visit>
+void forEachSet(IslandConstraints& rows, Team& team, Visit visit) {
+  for (const Range& phase : rows.phases)
+    team.forEach(phase.end - phase.begin, [&](std::uint32_t i) { visit(rows.sets[phase.begin + i]); });
+}
+
+/// Calls visit(i) for all rows.
+template <class Visit>
+void forEachRow(IslandConstraints& rows, Team& team, Visit visit) {
+  forEachSet(rows, team, [&](const RowSet& set) {
+    for (std::uint32_t i = set.begin; i < set.end; ++i) visit(i);
+  });
+}
 
 /// Returns the offset (m) of one sphere from another at their first touch within dt seconds, or else when
 /// they are nearest in that time. Returns the present offset if they overlap. `radiusSum` is in m.
@@ -194,10 +259,10 @@ Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Ve
 
 /// Updates contacts with surfaces at rest, and contacts between point masses, to the present positions of the
 /// soft bodies. Call it before a drift of dt seconds.
-void followContacts(IslandConstraints& rows, double dt);
+void followContacts(IslandConstraints& rows, Team& team, double dt);
 
-/// Updates the gaps after a drift of dt seconds.
-void updateGaps(IslandConstraints& rows, double dt);
+/// Updates the gaps for a drift of dt seconds.
+void updateGaps(IslandConstraints& rows, Team& team, double dt);
 
 /// Writes gaps and impulses back to the contacts. Call it after the last substep, or before contacts are
 /// changed.
@@ -210,14 +275,19 @@ void finishConstraints(IslandConstraints& rows);
 /// can, and joints and anchors hold. Starts from the impulses of the last substep and uses projected
 /// Gauss-Seidel sweeps with a nonsmooth nonlinear conjugate gradient step between them (Silcowitz, Niebe,
 /// Erleben 2010, algorithm 2). Returns the number of sweeps.
-int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, double dt, double tick);
+int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, Team& team, double dt, double tick);
 
 /// Computes impulses after the second kick of a substep. Contacts that had a position impulse do not approach
 /// (as in solveVelocities of plane_contacts.h), and anchored points have the velocities of their pivots.
 /// Returns the number of sweeps.
-int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies);
+int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies, Team& team);
 
 // --- one row of contacts or joints -------------------------------------------------------------------------
+
+inline Contact& contactOf(IslandConstraints& rows, std::size_t row) { return rows.contacts[rows.order[row]]; }
+inline const Contact& contactOf(const IslandConstraints& rows, std::size_t row) {
+  return rows.contacts[rows.order[row]];
+}
 
 /// Components (normal, tangents) of a vector.
 inline Eigen::Vector3d inAxes(const ContactConstraint& row, const Eigen::Vector3d& v) {

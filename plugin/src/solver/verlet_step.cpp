@@ -332,9 +332,9 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     const bool last = s + 1 == substeps;
     searchAgain(group, team, s, substeps, dt);
     kickAndStop(group, team, s * dt, dt);
-    followContacts(group.pairs, dt);
-    solvePositions(group.pairs, group.links, dt, tick);
-    updateGaps(group.pairs, dt);
+    followContacts(group.pairs, team, dt);
+    solvePositions(group.pairs, group.links, team, dt, tick);
+    updateGaps(group.pairs, team, dt);
     const bool estimates = last || 2 * s == substeps;
     if (estimates) keepForces(group);
     driftAndComputeForces(group, team, dt);
@@ -342,8 +342,8 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     // anchors and contacts before dampers: these must not use the velocity of a point that the kick moves
     // away from its anchor or contact
     kickAndSettle(group, team, dt);
-    followContacts(group.pairs, 0.0);
-    solveVelocities(group.pairs, group.links);
+    followContacts(group.pairs, team, 0.0);
+    solveVelocities(group.pairs, group.links, team);
     sumAnchorImpulses(group.links);
     // the half dampings of two successive substeps act at the same positions, so a full one replaces them
     damp(group, team, dt, !last, s % 2 == 0);

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Zlib
+// Divides the rows of a large island into sets that several threads sweep at the same time.
+#include "solver/contacts.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace limber {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Number of rows that make a slab worth its share of the loops of a sweep, and the largest number of slabs:
+/// thinner ones have too many rows across their boundaries.
+constexpr std::size_t kRowsPerSlab = 256;
+constexpr std::size_t kMaxRowSlabs = 8;
+
+/// Returns the position (m) of a body, or 0 if it has none. Soft bodies come first.
+Vector3d placeOf(const LinkedBodies& bodies, std::size_t body) {
+  if (body >= bodies.points.size()) return bodies.rigids[body - bodies.points.size()].position;
+  return bodies.views[body].positionOf(0);
+}
+
+/// Counts the rows of each body.
+void weigh(IslandConstraints& rows, const LinkedBodies& bodies) {
+  rows.weights.assign(bodies.points.size() + bodies.rigids.size(), 0);
+  for (const Contact& c : rows.contacts) {
+    const auto [a, b] = bodiesOf(c, bodies);
+    ++rows.weights[a];
+    if (b != a) ++rows.weights[b];
+  }
+}
+
+/// Returns the axis along which the bodies with rows are spread most.
+Eigen::Index longestAxis(const IslandConstraints& rows, const LinkedBodies& bodies) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t b = 0; b < rows.weights.size(); ++b)
+    if (rows.weights[b] > 0) box.extend(placeOf(bodies, b));
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  return axis;
+}
+
+/// Sets rows.slabs: the bodies along an axis, in slabs with about as many rows each.
+void cutSlabs(IslandConstraints& rows, const LinkedBodies& bodies, std::size_t slabs) {
+  const Eigen::Index axis = longestAxis(rows, bodies);
+  std::vector<std::uint32_t>& order = rows.byPlace;
+  order.resize(rows.weights.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(placeOf(bodies, a)[axis], a) < std::pair(placeOf(bodies, b)[axis], b);
+  });
+  const std::size_t total = std::accumulate(rows.weights.begin(), rows.weights.end(), std::size_t{0});
+  rows.slabs.resize(order.size());
+  std::size_t sum = 0;
+  for (const std::uint32_t body : order) {
+    // by the middle of the body's rows
+    rows.slabs[body] = static_cast<std::uint32_t>((2 * sum + rows.weights[body]) * slabs / (2 * total));
+    sum += rows.weights[body];
+  }
+}
+
+/// Numbers of sets: the slabs, then the boundaries between slabs 0 and 1, 2 and 3, ..., then those between 1
+/// and 2, 3 and 4, ..., then all rows between slabs that are no neighbours.
+std::size_t setOf(const IslandConstraints& rows, const Contact& c, const LinkedBodies& bodies,
+                  std::size_t slabs) {
+  const auto [a, b] = bodiesOf(c, bodies);
+  const auto [low, high] = std::minmax(rows.slabs[a], rows.slabs[b]);
+  if (low == high) return low;
+  if (high > low + 1) return 2 * slabs - 1;
+  return slabs + low / 2 + (low % 2 == 0 ? 0 : slabs / 2);
+}
+
+/// Sorts the contacts by their sets, and within a set by their numbers.
+void sortIntoSets(IslandConstraints& rows, const LinkedBodies& bodies, std::size_t slabs) {
+  for (RowSet& set : rows.sets) set = RowSet();
+  for (const Contact& c : rows.contacts) ++rows.sets[setOf(rows, c, bodies, slabs)].end;
+  std::uint32_t begin = 0;
+  for (RowSet& set : rows.sets) {
+    const std::uint32_t count = set.end;
+    set.begin = set.end = begin;
+    begin += count;
+  }
+  for (std::uint32_t i = 0; i < rows.contacts.size(); ++i)
+    rows.order[rows.sets[setOf(rows, rows.contacts[i], bodies, slabs)].end++] = i;
+}
+
+}  // namespace
+
+void divideRows(IslandConstraints& rows, const LinkedBodies& bodies) {
+  const std::size_t count = rows.contacts.size(), bodyCount = bodies.points.size() + bodies.rigids.size();
+  for (std::vector<std::uint32_t>* list : {&rows.order, &rows.active, &rows.swept}) {
+    list->reserve(rows.contacts.capacity());
+    list->resize(count);
+  }
+  rows.changedIn.resize(bodyCount);
+  const bool isOne = !rows.joints.empty() || !bodies.anchors.empty();
+  std::size_t slabs = 1;
+  while (!isOne && 2 * slabs <= std::min(kMaxRowSlabs, bodyCount) && 2 * slabs * kRowsPerSlab <= count) slabs *= 2;
+  rows.sets.assign(slabs > 1 ? 2 * slabs : 1, RowSet());
+  const auto s = static_cast<std::uint32_t>(slabs);
+  rows.phases = {Range{0, s}};
+  if (slabs == 1) {
+    rows.sets[0].end = static_cast<std::uint32_t>(count);
+    std::iota(rows.order.begin(), rows.order.end(), 0u);
+    return;
+  }
+  const std::uint32_t odd = s + s / 2, rest = 2 * s - 1;
+  rows.phases.insert(rows.phases.end(), {Range{s, odd}, Range{odd, rest}, Range{rest, 2 * s}});
+  weigh(rows, bodies);
+  cutSlabs(rows, bodies, slabs);
+  sortIntoSets(rows, bodies, slabs);
+}
+
+}  // namespace limber
