@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 /// Number of rows that make a slab worth its share of the loops of a sweep, and the largest number of slabs:
 /// thinner ones have too many rows across their boundaries.
-constexpr std::size_t kRowsPerSlab = 256;
+constexpr std::size_t kRowsPerSlab = 400;
 constexpr std::size_t kMaxRowSlabs = 8;
 
 /// Returns the position (m) of a body, or 0 if it has none. Soft bodies come first.
@@ -25,9 +25,9 @@ Vector3d placeOf(const LinkedBodies& bodies, std::size_t body) {
 void weigh(IslandConstraints& rows, const LinkedBodies& bodies) {
   rows.weights.assign(bodies.points.size() + bodies.rigids.size(), 0);
   for (const Contact& c : rows.contacts) {
-    const auto [a, b] = bodiesOf(c, bodies);
-    ++rows.weights[a];
-    if (b != a) ++rows.weights[b];
+    const RowBodies of = bodiesOf(c, bodies);
+    ++rows.weights[of.a];
+    if (of.b != of.a) ++rows.weights[of.b];
   }
 }
 
@@ -64,8 +64,8 @@ void cutSlabs(IslandConstraints& rows, const LinkedBodies& bodies, std::size_t s
 /// and 2, 3 and 4, ..., then all rows between slabs that are no neighbours.
 std::size_t setOf(const IslandConstraints& rows, const Contact& c, const LinkedBodies& bodies,
                   std::size_t slabs) {
-  const auto [a, b] = bodiesOf(c, bodies);
-  const auto [low, high] = std::minmax(rows.slabs[a], rows.slabs[b]);
+  const RowBodies of = bodiesOf(c, bodies);
+  const auto [low, high] = std::minmax(rows.slabs[of.a], rows.slabs[of.b]);
   if (low == high) return low;
   if (high > low + 1) return 2 * slabs - 1;
   return slabs + low / 2 + (low % 2 == 0 ? 0 : slabs / 2);
@@ -85,6 +85,22 @@ void sortIntoSets(IslandConstraints& rows, const LinkedBodies& bodies, std::size
     rows.order[rows.sets[setOf(rows, rows.contacts[i], bodies, slabs)].end++] = i;
 }
 
+void makeOneSet(IslandConstraints& rows) {
+  rows.sets.assign(1, RowSet());
+  rows.sets[0].end = static_cast<std::uint32_t>(rows.contacts.size());
+  rows.phases.assign(1, Range{0, 1});
+  std::iota(rows.order.begin(), rows.order.end(), 0u);
+}
+
+void makeSets(IslandConstraints& rows, const LinkedBodies& bodies, std::size_t slabs) {
+  const auto inside = static_cast<std::uint32_t>(slabs), odd = inside + inside / 2, rest = 2 * inside - 1;
+  rows.sets.assign(2 * slabs, RowSet());
+  rows.phases.assign({{0, inside}, {inside, odd}, {odd, rest}, {rest, rest + 1}});
+  weigh(rows, bodies);
+  cutSlabs(rows, bodies, slabs);
+  sortIntoSets(rows, bodies, slabs);
+}
+
 }  // namespace
 
 void divideRows(IslandConstraints& rows, const LinkedBodies& bodies) {
@@ -94,22 +110,17 @@ void divideRows(IslandConstraints& rows, const LinkedBodies& bodies) {
     list->resize(count);
   }
   rows.changedIn.resize(bodyCount);
-  const bool isOne = !rows.joints.empty() || !bodies.anchors.empty();
   std::size_t slabs = 1;
-  while (!isOne && 2 * slabs <= std::min(kMaxRowSlabs, bodyCount) && 2 * slabs * kRowsPerSlab <= count) slabs *= 2;
-  rows.sets.assign(slabs > 1 ? 2 * slabs : 1, RowSet());
-  const auto s = static_cast<std::uint32_t>(slabs);
-  rows.phases = {Range{0, s}};
-  if (slabs == 1) {
-    rows.sets[0].end = static_cast<std::uint32_t>(count);
-    std::iota(rows.order.begin(), rows.order.end(), 0u);
-    return;
-  }
-  const std::uint32_t odd = s + s / 2, rest = 2 * s - 1;
-  rows.phases.insert(rows.phases.end(), {Range{s, odd}, Range{odd, rest}, Range{rest, 2 * s}});
-  weigh(rows, bodies);
-  cutSlabs(rows, bodies, slabs);
-  sortIntoSets(rows, bodies, slabs);
+  if (rows.joints.empty() && bodies.anchors.empty())
+    while (2 * slabs <= std::min(kMaxRowSlabs, bodyCount) && 2 * slabs * kRowsPerSlab <= count) slabs *= 2;
+  if (slabs == 1)
+    makeOneSet(rows);
+  else
+    makeSets(rows, bodies, slabs);
+  rows.rowBodies.reserve(rows.contacts.capacity());
+  rows.rowBodies.clear();
+  for (const std::uint32_t contact : rows.order)
+    rows.rowBodies.push_back(bodiesOf(rows.contacts[contact], bodies));
 }
 
 }  // namespace limber

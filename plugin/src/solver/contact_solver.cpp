@@ -409,6 +409,10 @@ struct Solve {
       visit(rows.active[k], rows.rows[rows.active[k]]);
   }
 
+  void markChanged(std::uint32_t i) const {
+    rows.changedIn[rows.rowBodies[i].a] = rows.changedIn[rows.rowBodies[i].b] = count;
+  }
+
   void activate(RowSet& set, std::uint32_t i) const {
     alignContactPoints(rows, i);
     ContactConstraint& row = rows.rows[i];
@@ -417,7 +421,8 @@ struct Solve {
     row.minFrictionChange = kMinFrictionChange;
     row.direction = ContactVector();
     row.change = ContactVector();
-    rows.changedIn[row.bodyA] = rows.changedIn[row.bodyB] = count;
+    rows.rowBodies[i].isLeftOut = false;
+    markChanged(i);
     rows.active[set.begin + set.activeCount++] = i;
   }
 
@@ -483,16 +488,23 @@ struct Solve {
   }
 
   /// Marks both bodies of the contact if the change is large enough.
-  void noteChange(const ContactConstraint& row, const ContactVector& change) const {
-    if (change.squaredNorm() * row.mobility * row.mobility > tolerance * tolerance)
-      rows.changedIn[row.bodyA] = rows.changedIn[row.bodyB] = count;
+  void noteChange(std::uint32_t i, const ContactVector& change) const {
+    const double mobility = rows.rows[i].mobility;
+    if (change.squaredNorm() * mobility * mobility > tolerance * tolerance) markChanged(i);
   }
 
-  bool isNearChange(const ContactConstraint& row) const {
-    return std::max(rows.changedIn[row.bodyA], rows.changedIn[row.bodyB]) + 1 >= count;
+  bool isNearChange(const RowBodies& of) const {
+    return std::max(rows.changedIn[of.a], rows.changedIn[of.b]) + 1 >= count;
   }
 
-  void leaveOut(ContactConstraint& row) const { row.change = row.direction = ContactVector(); }
+  /// Returns whether the sweep leaves out the row.
+  bool leavesOut(std::uint32_t i, bool all) const {
+    RowBodies& of = rows.rowBodies[i];
+    const bool wasLeftOut = of.isLeftOut;
+    of.isLeftOut = !all && !isNearChange(of);
+    if (of.isLeftOut && !wasLeftOut) rows.rows[i].change = rows.rows[i].direction = ContactVector();
+    return of.isLeftOut;
+  }
 
   bool hasOnlyContacts() const { return rows.joints.empty() && bodies.anchors.empty(); }
 
@@ -519,11 +531,11 @@ struct Solve {
     SweepChange change = set.change;
     std::uint32_t swept = set.begin;
     forEachActive(set, [&](std::uint32_t i, ContactConstraint& row) {
-      if (!all && !isNearChange(row)) return leaveOut(row);
+      if (leavesOut(i, all)) return;
       rows.swept[swept++] = i;
       solveContact(rows, row, impulse(row), row.target, free);
       change.add(row.change.squaredNorm(), row.mobility);
-      noteChange(row, row.change);
+      noteChange(i, row.change);
     });
     set.sweptCount = swept - set.begin;
     set.change = change;
@@ -563,7 +575,7 @@ struct Solve {
       for (std::uint32_t k = set.begin; k < set.begin + set.sweptCount; ++k) {
         ContactConstraint& row = rows.rows[rows.swept[k]];
         stepAlongDirection(row, beta);
-        noteChange(row, row.direction);
+        noteChange(rows.swept[k], row.direction);
       }
     });
   }

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace limber {
 namespace {
@@ -222,7 +221,6 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   setMobility(row, Mobility::from(axes.transpose() * mobilityOf(rows, row, c, bodies) * axes));
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
-  std::tie(row.bodyA, row.bodyB) = bodiesOf(c, bodies);
   row.gap = c.gap;
   excludePinned(rows, row);
   row.aligned = row.couple == Couple::None;

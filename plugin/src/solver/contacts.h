@@ -143,7 +143,6 @@ struct alignas(64) ContactConstraint : ContactTarget {
   double axes[3][3];            ///< the normal and two tangents
   ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
-  std::uint32_t bodyA, bodyB;  ///< see bodiesOf()
   Couple couple;
   double gap;                    ///< m
   double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
@@ -184,6 +183,12 @@ struct SweepChange {
   bool within(double tolerance) const { return largest <= tolerance * tolerance; }
 };
 
+/// What decides whether a sweep leaves out a row, apart from the row: most sweeps leave out most rows.
+struct RowBodies {
+  std::uint32_t a, b;  ///< see bodiesOf()
+  bool isLeftOut;      ///< by the last sweep; the row's change and direction are 0
+};
+
 /// Consecutive rows that one thread sweeps, see IslandConstraints::sets.
 struct alignas(64) RowSet {
   std::uint32_t begin = 0, end = 0;
@@ -200,6 +205,7 @@ struct IslandConstraints {
   // Written by the step.
   std::vector<ContactConstraint> rows;  ///< #contacts, in the order of their sets
   std::vector<std::uint32_t> order;     ///< #rows, the contact of each
+  std::vector<RowBodies> rowBodies;     ///< #rows
   std::vector<ConstraintPoint> points;
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<ConstraintRotation> rotations;
@@ -220,12 +226,12 @@ struct IslandConstraints {
 
 /// Returns the indices of the contact's bodies in IslandConstraints::changedIn; equal if only one side can
 /// move.
-inline std::pair<std::uint32_t, std::uint32_t> bodiesOf(const Contact& c, const LinkedBodies& bodies) {
+inline RowBodies bodiesOf(const Contact& c, const LinkedBodies& bodies) {
   using Kind = ContactPoint::Kind;
   const auto indexOf = [&](const ContactPoint& side) {
     return side.body + (side.kind == Kind::Rigid ? static_cast<std::uint32_t>(bodies.points.size()) : 0);
   };
-  return {indexOf(c.a.kind == Kind::World ? c.b : c.a), indexOf(c.b.kind == Kind::World ? c.a : c.b)};
+  return {indexOf(c.a.kind == Kind::World ? c.b : c.a), indexOf(c.b.kind == Kind::World ? c.a : c.b), false};
 }
 
 /// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
