@@ -237,8 +237,8 @@ bool mayTouch(const SoftBodyData& body, const SleepBox& awake) {
   return false;
 }
 
-/// Stirs the groups that want to sleep in one of Bullet's islands that stays awake. Adds the
-/// rigid bodies that want to as well: Bullet does not let them. Returns whether there are any.
+/// Stirs the groups that want to sleep in one of Bullet's islands that stays awake. Adds the rigid bodies
+/// that want to as well: Bullet does not let them. Returns whether there are any.
 bool stirInIslands(std::vector<LinkedGroup>& groups, double tick, SleepScratch& s) {
   bool any = false;
   for (LinkedGroup& group : groups) {

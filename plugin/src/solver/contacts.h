@@ -55,7 +55,7 @@ struct HeldCorners {
 /// Two contact points whose gap along a normal must not become smaller than allowed, with Coulomb friction
 /// across the normal. The impulses at the two points are equal and opposite, so linear momentum is conserved
 /// to rounding. Angular momentum is also conserved where one side can balance the couple (see
-/// alignContactPoints() of contact_solver.cpp).
+/// alignContactPoints()).
 struct Contact : ContactBase {
   ContactPoint a, b;
   double gap = 0.0;                                 ///< m between the surfaces; updated in each substep
@@ -94,7 +94,7 @@ struct ConstraintPoint {
   double response[3];  ///< 1/kg per axis: velocity change per impulse on side a
 };
 
-/// Data to adjust the share of a ConstraintPoint, see alignContactPoints() of contact_solver.cpp.
+/// Data to adjust the share of a ConstraintPoint, see alignContactPoints().
 struct MomentArm {
   const double* position;     ///< m, 3; nullptr for a rigid body
   const double* inverseMass;  ///< 1/kg per axis
@@ -273,6 +273,13 @@ void updateGaps(IslandConstraints& rows, Team& team, double dt);
 /// Writes gaps and impulses back to the contacts. Call it after the last substep, or before contacts are
 /// changed.
 void finishConstraints(IslandConstraints& rows);
+
+/// Adjusts a contact between moving bodies so that its impulses act along one line at the present positions
+/// and change no angular momentum. Used for contacts that are about to have an impulse: the contact points of
+/// others are not known yet.
+/// The velocities at the end of a substep and the positions of the next one are solved at the same positions:
+/// a row that is aligned stays so until the bodies drift.
+void alignContactPoints(IslandConstraints& rows, std::size_t index);
 
 // --- the solve ---------------------------------------------------------------------------------------------
 
