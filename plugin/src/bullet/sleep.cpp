@@ -92,24 +92,28 @@ void sleepGroup(LinkedGroup& group) {
   group.asleep = true;
 }
 
+bool isActive(const btRigidBody& body) { return body.isActive(); }
+
 bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar(0); }
 
 /// Returns the calm time (s) that a tick adds. One very long tick does not put a body to sleep: it may have
 /// been released at its start.
 double calmTimeOf(btScalar tick) { return std::min(double(tick), 0.5 * double(gDeactivationTime)); }
 
-/// Bullet's islands, which wake by WANTS_DEACTIVATION, do not count for surfaces, see wakeTouched().
-bool isWoken(btRigidBody& body) {
-  if (SurfaceObject::from(&body) && body.getActivationState() == WANTS_DEACTIVATION)
-    body.setActivationState(ISLAND_SLEEPING);
-  return body.isActive();
+/// Puts surfaces back to sleep that Bullet's islands have woken, by WANTS_DEACTIVATION: see stirTouched().
+void ignoreIslands(LinkedGroup& group) {
+  for (SoftBodyData* body : group.bodies)
+    if (SurfaceObject* surface = body->surface.object;
+        surface && surface->getActivationState() == WANTS_DEACTIVATION)
+      surface->setActivationState(ISLAND_SLEEPING);
 }
 
 /// Woken by the user, or kept awake; otherwise its calm time goes on.
 void updateCalmTime(LinkedGroup& group, btScalar tick) {
   // wake() resets the calm time of a body that is awake
   for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
-  if (group.asleep && !anyMember(group, isWoken) && !isChanged(group)) {
+  if (group.asleep) ignoreIslands(group);
+  if (group.asleep && !anyMember(group, isActive) && !isChanged(group)) {
     for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
     return;
   }

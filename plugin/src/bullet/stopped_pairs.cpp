@@ -138,6 +138,7 @@ bool mayMeet(const MovingSurface& a, const AlignedBox3d& motionsOfA, const Movin
 
 bool isBetweenMovingBodies(const SurfaceCandidate& m) { return !m.held && m.other != m.body; }
 
+/// `axis` is what separated the pair in an earlier round; it is renewed.
 bool mayTouchNow(const SurfaceCandidate& m, Motions& motions, double tick, SurfaceSearch& search,
                  SeparatingAxis& axis) {
   const AlignedBox3d &a = motions.of(*m.body), &b = motions.ofOther(m);

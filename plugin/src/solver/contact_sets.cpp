@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -15,7 +16,7 @@ using Eigen::Vector3d;
 constexpr std::size_t kRowsPerSlab = 400;
 constexpr std::size_t kMaxRowSlabs = 8;
 
-/// Returns the position (m) of a body, or 0 if it has none. Soft bodies come first.
+/// Returns a position (m) in the body. Soft bodies come first.
 Vector3d placeOf(const LinkedBodies& bodies, std::size_t body) {
   if (body >= bodies.points.size()) return bodies.rigids[body - bodies.points.size()].position;
   return bodies.views[body].positionOf(0);
@@ -73,7 +74,6 @@ std::size_t setOf(const IslandConstraints& rows, const Contact& c, const LinkedB
 
 /// Sorts the contacts by their sets, and within a set by their numbers.
 void sortIntoSets(IslandConstraints& rows, const LinkedBodies& bodies, std::size_t slabs) {
-  for (RowSet& set : rows.sets) set = RowSet();
   for (const Contact& c : rows.contacts) ++rows.sets[setOf(rows, c, bodies, slabs)].end;
   std::uint32_t begin = 0;
   for (RowSet& set : rows.sets) {

@@ -240,7 +240,8 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies);
 
 /// Divides the rows of a large island into sets, by slabs across its longest axis: first the rows inside the
 /// slabs, then those between neighbours. Sets `order`, `sets` and `phases`. They do not depend on the number
-/// of threads. Rows with joints or anchors are one set: those act through many bodies at once.
+/// of threads. With joints or anchors, which act through many bodies at once, the rows are one set in the
+/// order of the contacts.
 void divideRows(IslandConstraints& rows, const LinkedBodies& bodies);
 
 /// Calls visit(set) for all sets, for those of a phase at the same time.
