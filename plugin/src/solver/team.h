@@ -90,22 +90,20 @@ class Team {
     shareCount_.store(threads, std::memory_order_relaxed);
   }
 
-  /// Takes all tasks of a share, a quarter of what is left at a time, and runs them: atomics cost as much as
-  /// a small task. Returns whether there were any.
+  /// Takes all tasks of a share, one by one, and runs them. Returns whether there were any.
   ///
   /// The leader changes a share only after all its tasks are done. So if `left` still has the same value when
-  /// tasks are taken, the members read before are those of its loop.
+  /// a task is taken, the members read before are those of its loop.
   bool takeTasks(Share& share) {
     bool any = false;
     for (std::uint64_t left = share.left.load(std::memory_order_acquire);
          static_cast<std::uint32_t>(left) > 0;) {
       void* const context = share.context.load(std::memory_order_relaxed);
       const Call call = share.call.load(std::memory_order_relaxed);
-      const auto count = static_cast<std::uint32_t>(left), taken = (count + 3) / 4;
-      const std::uint32_t first = share.end.load(std::memory_order_relaxed) - count;
-      if (!share.left.compare_exchange_weak(left, left - taken, std::memory_order_acq_rel)) continue;
-      for (std::uint32_t i = 0; i < taken; ++i) call(context, first + i);
-      done_.fetch_add(taken, std::memory_order_acq_rel);
+      const std::uint32_t task = share.end.load(std::memory_order_relaxed) - static_cast<std::uint32_t>(left);
+      if (!share.left.compare_exchange_weak(left, left - 1, std::memory_order_acq_rel)) continue;
+      call(context, task);
+      done_.fetch_add(1, std::memory_order_acq_rel);
       any = true;
       left = share.left.load(std::memory_order_acquire);
     }
