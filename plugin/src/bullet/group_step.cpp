@@ -151,6 +151,17 @@ MotionRates ratesOf(LinkedGroup& group, double tick) {
   return rates;
 }
 
+/// Returns the largest speed (m/s) at which the body approaches what it touches, or changes its shape while
+/// it does. In an island the whole velocity counts, because the others' are not known here.
+double impactSpeed(SoftBodyData& body, bool inIsland) {
+  if (!inIsland && body.contacts.empty()) return 0.0;
+  const MotionSums& sums = sumsOf(body);
+  double approach = inIsland ? Eigen::Vector3d(sums.meanVelocity).norm() : 0.0;
+  for (const PlaneContact& row : body.contacts)
+    approach = std::max(approach, row.normal.dot(row.surfaceVelocity - body.state.velocity.col(row.point)));
+  return std::max(approach, std::sqrt(sums.fastest));
+}
+
 SteppingProblem problemOf(LinkedGroup& group, double tick) {
   SteppingProblem p;
   const MotionRates rates = ratesOf(group, tick);
@@ -160,6 +171,7 @@ SteppingProblem problemOf(LinkedGroup& group, double tick) {
   for (SoftBodyData* body : group.bodies) {
     p.dampingRate = std::max(p.dampingRate, body->dampingRate);
     p.errorCoefficient = std::max(p.errorCoefficient, body->errorCoefficient);
+    p.impactSpeed = std::max(p.impactSpeed, impactSpeed(*body, group.inIsland));
     p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
     p.touching = p.touching || !body->contacts.empty();
     p.narrow = body->model->narrow;

@@ -54,6 +54,7 @@ struct SteppingProblem {
   Frequencies frequencies;
   double dampingRate = 0.0;       ///< 1/s, dampingRateBound
   double turnRate = 0.0;          ///< rad/s, fastestTurn
+  double impactSpeed = 0.0;       ///< m/s, at which touching bodies approach each other or change their shape
   double tick = 0.0;              ///< s
   double errorCoefficient = 0.0;  ///< m/s^3, the last error rate over the square of its substep; 0: unknown
   double size = 0.0;              ///< m, of the body
@@ -83,7 +84,8 @@ double dampingRateBound(const SpringArrays& springs, const Points& inverseMass);
 double fastestTurn(const SpringArrays& springs, const PointState& state, double fastest, double negligible);
 
 /// Chooses the stepper and its substeps for this tick:
-///   - Verlet, with enough substeps for stability, periodTolerance and the fastest rotation of a spring;
+///   - Verlet, with enough substeps for stability, periodTolerance, the fastest rotation of a spring and
+///     impacts of strongly damped bodies;
 ///   - Newton's method, if it is cheap, for damping so strong that splitting it off would slow the creep;
 ///     large meshes stay with Verlet;
 ///   - an implicit stepper, where the stable number of substeps costs more, for bodies in free motion:
