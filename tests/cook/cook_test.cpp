@@ -3,6 +3,7 @@
 
 #include "support/constants.h"
 #include "support/small_meshes.h"
+#include "support/test_shapes.h"
 
 #include <limber/cook.h>
 
@@ -151,6 +152,20 @@ TEST(Cook, aBodyHasTheMassOfItsMesh) {
   EXPECT_NEAR(made->totalMass, rubber.density * 4.0 / 3.0 * kPi, 0.015 * made->totalMass);
 }
 
+/// Limbs of 0.095 m and arms of a star of 0.17 m: the tetrahedra of about 150 points would miss some of them,
+/// and bodies whose thin parts are thickened have up to two thirds more mass.
+TEST(Cook, limbsGetMorePointsInsteadOfMoreMass) {
+  for (const TriangleMesh& mesh : {test_shapes::figure(), test_shapes::star()})
+    for (const std::uint32_t points : {0u, 250u}) {
+      CookSettings settings;
+      settings.points = points;
+      const CookedMesh c = cooked(mesh, settings);
+      EXPECT_EQ(c.report[1].find("thin parts made"), std::string::npos) << c.report[1];
+      EXPECT_GT(c.bodies[0].volume, 0.0) << points;
+      EXPECT_LE(c.bodies[0].network->restPoints.size(), points > 0 ? 375u : 400u);
+    }
+}
+
 TEST(Cook, aRingOfWireHasAboutTheChosenNumberOfPoints) {
   CookSettings settings;
   settings.points = 300;
@@ -166,6 +181,7 @@ TEST(Cook, anOpenMeshGetsAnInside) {
   EXPECT_GT(c.bodies[0].network->tetrahedra.size(), 100u);
   EXPECT_LT(skinError(*c.bodies[0].network, mesh, 1.0), 1e-5);
   EXPECT_NE(c.report[1].find("wrapped"), std::string::npos) << c.report[1];
+  EXPECT_NE(c.report[1].find("openings filled"), std::string::npos) << c.report[1];
 }
 
 TEST(Cook, meshesInOtherUnitsBecomeAMetreLong) {

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -148,7 +149,7 @@ double largestMiss(const WeldedMesh& mesh, const TetrahedralMesh& filling) {
 /// What was chosen for the bodies.
 struct Choices {
   std::size_t points = 0, springs = 0, tetrahedra = 0, solids = 0, sheets = 0, ropes = 0, wrapped = 0,
-              thickened = 0;
+              filled = 0, thickened = 0;
   double spacing = 0.0, thickness = 0.0;  ///< m, of the largest body
 };
 
@@ -175,6 +176,7 @@ bool isOneSolid(const MeshReport& report) { return report.watertight() && report
 Result<Solid> solidOf(Builder& builder, const Part& part) {
   if (isOneSolid(part.welded.report)) return makeSolid(part.welded);
   ++builder.choices.wrapped;
+  if (part.welded.report.openEdges > 0) ++builder.choices.filled;
   Result<WeldedMesh> surface = wrapOutside(part.mesh, builder.settings.wrap, 0.0);
   if (!surface) return Error{surface.error()};
   return makeSolid(std::move(*surface));
@@ -254,28 +256,50 @@ struct CookedFilling {
   bool isThickened = false;
 };
 
+/// Largest ratio of points to the number that the user wants, and the ratio between two trials. Thickened
+/// parts have more mass than those of the mesh, by two thirds for a star; more points only cost time.
+constexpr double kMostExact = 1.5, kMorePoints = 1.15;
+
+/// Returns whether the filling follows all parts of the mesh.
+bool follows(const Part& part, const TetrahedralMesh& filling, double spacing) {
+  return isConnected(filling) && largestMiss(part.welded, filling) < kMissed * spacing;
+}
+
+/// Fills a part whose thin parts keep their thickness, with about `points` points or, if these miss
+/// something, more: as many as are allowed if the user has not chosen their number. The result is empty if no
+/// filling follows the mesh, or if progress returns false.
+std::optional<TetrahedralMesh> fillExactly(Builder& builder, const Part& part, const Solid& solid,
+                                           double points) {
+  const double chosen = builder.settings.points > 0 ? 0.0 : kMaxPoints / wantedPoints(solid);
+  const double most = std::max(kMostExact, chosen) * points;
+  for (double trial = points; trial <= most; trial *= kMorePoints) {
+    const double spacing = spacingFor(solid, trial);
+    if (solid.thickness < spacing) continue;
+    Result<TetrahedralMesh> filling =
+        fillWithPoints(solid.surface, static_cast<std::size_t>(std::max(8.0, trial)),
+                       [&](double done) { return builder.report("tetrahedra", done); });
+    if (!builder.going) return std::nullopt;
+    if (!filling || static_cast<double>(filling->points.size()) > most) continue;
+    if (!follows(part, *filling, spacing)) continue;
+    builder.choices.spacing = std::max(builder.choices.spacing, spacing);
+    return std::move(*filling);
+  }
+  return std::nullopt;
+}
+
 /// Fills a part with tetrahedra. Where these would miss something, thin parts are thickened to what the
 /// lattice can follow.
 Result<CookedFilling> fill(Builder& builder, const Part& part) {
   const Result<Solid> solid = solidOf(builder, part);
   if (!solid) return Error{solid.error()};
-  const double points = pointsOf(builder, part, *solid), spacing = spacingFor(*solid, points);
+  const double points = pointsOf(builder, part, *solid);
   builder.choices.thickness = std::max(builder.choices.thickness, solid->thickness);
-  Result<TetrahedralMesh> exact = Error{};
-  if (solid->thickness >= spacing) {
-    exact = fillWithPoints(solid->surface, static_cast<std::size_t>(std::max(8.0, points)),
-                           [&](double done) { return builder.report("tetrahedra", done); });
-    if (!builder.going) return Error{kEnded};
-    if (exact && isConnected(*exact) && static_cast<double>(exact->points.size()) < kTooMany * points &&
-        largestMiss(part.welded, *exact) < kMissed * spacing) {
-      builder.choices.spacing = std::max(builder.choices.spacing, spacing);
-      return CookedFilling{std::move(*exact), false};
-    }
-  }
+  std::optional<TetrahedralMesh> exact = fillExactly(builder, part, *solid, points);
+  if (!builder.going) return Error{kEnded};
+  if (exact) return CookedFilling{std::move(*exact), false};
   ++builder.choices.thickened;
   Result<TetrahedralMesh> thickened = fillThickened(builder, part, *solid, points);
   if (!builder.going) return Error{kEnded};
-  if (!thickened && exact) return CookedFilling{std::move(*exact), false};
   if (!thickened) return Error{thickened.error()};
   return CookedFilling{std::move(*thickened), true};
 }
@@ -380,6 +404,7 @@ std::string describeSolids(const Choices& c, const CookSettings& settings) {
     text += " filled with " + std::to_string(c.tetrahedra) + " tetrahedra, " + centimetres(c.spacing) +
             " apart for parts of " + centimetres(c.thickness);
   if (c.wrapped > 0) text += "; wrapped, because the mesh is not one closed surface";
+  if (c.filled > 0) text += ", and its openings filled";
   if (c.thickened > 0) text += "; thin parts made as thick as the tetrahedra";
   return text;
 }
