@@ -308,6 +308,101 @@ struct SleepingStack {
   btRigidBody* box;
 };
 
+/// In free fall without gravity nothing moves at all: 0 m/s is not below 0 m/s.
+TEST(Sleep, neverWithASleepingSpeedOfZero) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.sleepingSpeed = 0.0;
+  const SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  bullet.simulate(5.0);
+  EXPECT_FALSE(body->sleeping());
+}
+
+/// By sleep(), and by Bullet's idiom for levels that start asleep: it hangs in the air until something hits
+/// it.
+TEST(Sleep, onRequestUntilTouched) {
+  for (const bool byBullet : {false, true}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 3, 0};
+    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    if (byBullet && body->surfaceObject())
+      body->surfaceObject()->setActivationState(ISLAND_SLEEPING);
+    else
+      body->sleep();
+    bullet.simulate(1.0);
+    EXPECT_TRUE(body->sleeping()) << byBullet;
+    EXPECT_NEAR(body->centerOfMass().y(), 3.0, 1e-6) << byBullet;
+    bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.5, test::vec(0, 4.5, 0));
+    bullet.simulate(1.0);
+    EXPECT_FALSE(body->sleeping()) << byBullet;
+    EXPECT_LT(body->centerOfMass().y(), 2.9) << byBullet;
+  }
+}
+
+TEST_F(SleepTest, whatLiesOnABodyFallsWhenThatShrinksOrIsRestoredElsewhere) {
+  if (!test::kSurface) GTEST_SKIP() << "points of cubes of different sizes do not meet";
+  SoftBody *lower = restingCube(), *upper = restingCube(0, 1.55);
+  const std::vector<std::uint8_t> elsewhere = [&] {
+    EXPECT_TRUE(lower->setTransform(btTransform(btQuaternion::getIdentity(), test::vec(5, 0.52, 0))));
+    std::vector<std::uint8_t> state = lower->saveState();
+    EXPECT_TRUE(lower->setTransform(btTransform(btQuaternion::getIdentity(), test::vec(0, 0.52, 0))));
+    return state;
+  }();
+  bullet.simulate(8.0);
+  ASSERT_TRUE(upper->sleeping());
+  SoftBodySettings s = lower->settings();
+  s.scale *= 0.8;
+  ASSERT_TRUE(lower->change(s));
+  bullet.simulate(8.0);
+  EXPECT_NEAR(upper->centerOfMass().y(), 1.3, 0.05) << "it stands on 0.8 m";
+  ASSERT_TRUE(upper->sleeping());
+  ASSERT_TRUE(lower->restoreState(elsewhere));
+  bullet.simulate(3.0);
+  EXPECT_NEAR(upper->centerOfMass().y(), 0.5, 0.05);
+}
+
+/// A cube hangs from a kinematic body that it cannot touch. When that moves, the cube follows.
+TEST(Sleep, aMovedKinematicHolderWakesIt) {
+  for (const bool bySpring : {false, true}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    btRigidBody* holder = bullet.addBox(test::vec(0.1, 0.1, 0.1), 0, test::vec(0.5, 2.0, 0.5));
+    holder->setCollisionFlags(holder->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT |
+                              btCollisionObject::CF_NO_CONTACT_RESPONSE);
+    SoftBodySettings s = test::testedSettings();
+    s.damping = 20.0;
+    s.flow.drag = 1.0;
+    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    if (bySpring)
+      ASSERT_TRUE(system.addSpring({holder, btVector3(0, 0, 0)}, {body->point(0), btVector3(0, 0, 0)}));
+    else
+      ASSERT_TRUE(system.attach(body, 0, *holder));
+    body->sleep();
+    bullet.simulate(0.5);
+    ASSERT_TRUE(body->sleeping()) << bySpring;
+    btTransform there = holder->getWorldTransform();
+    there.setOrigin(there.getOrigin() + test::vec(0.2, 0, 0));
+    holder->setWorldTransform(there);
+    bullet.simulate(0.2);
+    EXPECT_FALSE(body->sleeping()) << bySpring;
+  }
+}
+
+/// A tick's displacements are compared with the sleeping speed over the same tick, not over the next one.
+TEST_F(SleepTest, soonWithVaryingTicks) {
+  SoftBody *lower = restingCube(), *upper = restingCube(0, 1.55);
+  double time = 0.0;
+  for (int i = 0; time < 8.0 && !(lower->sleeping() && upper->sleeping()); ++i) {
+    const double tick = i % 3 == 0 ? 1.0 / 20 : 1.0 / 200;
+    bullet.tick(tick);
+    time += tick;
+  }
+  EXPECT_LT(time, 8.0);
+}
+
 TEST(Sleep, whatRestedOnADestroyedBodyFalls) {
   SleepingStack stack;
   stack.system.destroyBody(stack.lower);

@@ -234,6 +234,10 @@ class LIMBER_API SoftBody {
 
   bool sleeping() const;
   void wake();
+  /// Puts the body to sleep in the next tick, wherever it is, until something touches or wakes it. Bodies
+  /// that springs join sleep only together. Setting the state ISLAND_SLEEPING of surfaceObject() does the
+  /// same.
+  void sleep();
 
   /// Returns the number of substeps of the springs in the last tick; 0 while asleep.
   int substeps() const;

@@ -445,6 +445,12 @@ Result<void> checkChange(const SoftBodyData& body, const SoftBodySettings& s) {
   return {};
 }
 
+/// Returns whether what lies on the body may then have nothing below it.
+bool mayLetGo(const SoftBodySettings& before, const SoftBodySettings& after) {
+  return after.scale != before.scale || after.pointRadius != before.pointRadius ||
+         after.collisionGroup != before.collisionGroup || after.collisionMask != before.collisionMask;
+}
+
 }  // namespace
 
 void forgetConstants(SoftBodyData& body) {
@@ -466,6 +472,7 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
   auto model = body.models->of(body.model->network, settings);
   if (!model) return Error{model.error()};
   readFromBullet(body);
+  if (mayLetGo(body.settings, settings)) wakeNeighbours(body, false);
   const SoftBodySettings before = std::exchange(body.settings, settings);
   body.settings.position = before.position;
   body.settings.rotation = before.rotation;

@@ -95,8 +95,10 @@ struct SleepScratch {
   std::vector<unsigned char> islands;  ///< Bullet's islands of the last tick, by tag: 1 with awake bodies
   std::vector<SleepBox> awake, quiet;  ///< `quiet`: of groups that sleep or want to, sorted by the lowest x
   double widest = 0.0;                 ///< m along x, of `quiet`
-  std::vector<const btRigidBody*> partners;  ///< rigid members of groups, sorted
-  std::vector<const btRigidBody*> calm;      ///< rigid bodies in no group that want to sleep
+  std::vector<const btRigidBody*> partners;       ///< rigid members of groups, sorted
+  std::vector<const btRigidBody*> calm;           ///< rigid bodies in no group that want to sleep
+  std::vector<const btCollisionObject*> holders;  ///< kinematic objects that move, sorted
+  btScalar lastTick = 0;                          ///< s; 0: there was none
 };
 
 /// Puts whole groups to sleep and wakes them, by Bullet's own rules (gDeactivationTime, gDisableDeactivation,
@@ -105,7 +107,9 @@ struct SleepScratch {
 /// Bullet has no link between the points of a body and would put them to sleep one by one. So the
 /// deactivation timer of awake points stays at 0. A group goes to sleep in one tick, when all its members
 /// have been calm for gDeactivationTime and no awake body may touch any of them in the coming tick. It wakes
-/// when one may, or a kinematic object that is awake or moves. Returns the groups that are awake.
+/// when one may, or a kinematic object that is awake or moves, or when one that moves holds a member by a
+/// spring or anchor. A group whose members all are ISLAND_SLEEPING by the user's will sleeps at once. Returns
+/// the groups that are awake.
 void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world,
                  const MovingObjects& objects, const KinematicMotions& kinematic, btScalar tick,
                  SleepScratch& scratch, AwakeGroups& awake);

@@ -353,7 +353,7 @@ bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     const double displacement = (body.state.position.col(i) - body.masses.startPosition.col(i)).norm();
     if (isChangedOutside(body, i) ||
-        displacement > double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))
+        displacement >= double(body.masses.bodies[i]->getLinearSleepingThreshold() * tick))
       return true;
   }
   return false;

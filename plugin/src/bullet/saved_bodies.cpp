@@ -107,7 +107,7 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
   if (reason.empty() && !(std::abs(state.time) <= kMaxSound)) reason = "its time is not finite";
   if (!reason.empty()) return Error{std::move(reason)};
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    const Result<void> restored = impl_->bodies[i]->restoreState(state.bodies[i]);
+    const Result<void> restored = restoreStateOf(*impl_->bodies[i]->data_, state.bodies[i]);
     if (!restored) return Error{"body " + std::to_string(i) + ": " + restored.error()};
   }
   impl_->surroundings.time = state.time;

@@ -467,7 +467,12 @@ Result<void> restoreStateOf(SoftBodyData& body, const Bytes& bytes) {
 
 Bytes SoftBody::saveState() { return saveStateOf(*data_); }
 
-Result<void> SoftBody::restoreState(const Bytes& bytes) { return restoreStateOf(*data_, bytes); }
+Result<void> SoftBody::restoreState(const Bytes& bytes) {
+  if (!isAlive(*data_)) return notAlive();
+  if (Result<void> valid = checkStateFor(*data_, bytes); !valid) return valid;
+  wakeNeighbours(*data_, false);  // it may go elsewhere
+  return restoreStateOf(*data_, bytes);
+}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

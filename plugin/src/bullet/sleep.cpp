@@ -38,13 +38,14 @@ bool anyMember(LinkedGroup& group, Test test) {
 
 bool isFast(const btRigidBody& body) {
   const btScalar linear = body.getLinearSleepingThreshold(), angular = body.getAngularSleepingThreshold();
-  return body.getLinearVelocity().length2() > linear * linear ||
-         body.getAngularVelocity().length2() > angular * angular;
+  return body.getLinearVelocity().length2() >= linear * linear ||
+         body.getAngularVelocity().length2() >= angular * angular;
 }
 
-bool movesTooFast(LinkedGroup& group, btScalar tick) {
+/// `lastTick`: s, in which the soft bodies have moved to where they are.
+bool movesTooFast(LinkedGroup& group, btScalar lastTick) {
   for (SoftBodyData* body : group.bodies)
-    if (movesTooFast(*body, tick)) return true;
+    if (movesTooFast(*body, lastTick)) return true;
   for (const RigidPartner& partner : group.rigids)
     if (!isStatic(*partner.body) && isFast(*partner.body)) return true;
   return anyMember(group,
@@ -108,10 +109,29 @@ void ignoreIslands(LinkedGroup& group) {
       surface->setActivationState(ISLAND_SLEEPING);
 }
 
-/// Woken by the user, or kept awake; otherwise its calm time goes on.
-void updateCalmTime(LinkedGroup& group, btScalar tick) {
+bool isAsleep(const btRigidBody& body) { return body.getActivationState() == ISLAND_SLEEPING; }
+
+bool isPutToSleep(const SoftBodyData& body) {
+  if (isSurfaceBody(body)) return isAsleep(*body.surface.object);
+  const std::vector<PointMass*>& points = body.masses.bodies;
+  return std::all_of(points.begin(), points.end(), [](PointMass* p) { return p && isAsleep(*p); });
+}
+
+/// Returns whether the user has put all members to sleep. Bullet does so only after gDeactivationTime.
+bool isPutToSleep(const LinkedGroup& group) {
+  if (group.asleep || group.bodies.empty() || group.calmTime > double(gDeactivationTime)) return false;
+  return std::all_of(group.bodies.begin(), group.bodies.end(),
+                     [](const SoftBodyData* body) { return isPutToSleep(*body); }) &&
+         std::all_of(group.rigids.begin(), group.rigids.end(), [](const RigidPartner& partner) {
+           return partner.body->isStaticOrKinematicObject() || isAsleep(*partner.body);
+         });
+}
+
+/// Woken by the user, put to sleep, or kept awake; otherwise its calm time goes on.
+void updateCalmTime(LinkedGroup& group, btScalar tick, btScalar lastTick) {
   // wake() resets the calm time of a body that is awake
   for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
+  if (isPutToSleep(group)) sleepGroup(group);
   if (group.asleep) ignoreIslands(group);
   if (group.asleep && !anyMember(group, isActive) && !isChanged(group)) {
     for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
@@ -120,11 +140,8 @@ void updateCalmTime(LinkedGroup& group, btScalar tick) {
   if (group.asleep)
     for (SoftBodyData* body : group.bodies)
       if (isSurfaceBody(*body) && isSurfaceChanged(*body)) wakeNeighbours(*body, true);
-  if (group.asleep || anyMember(group, [](btRigidBody& body) {
-        return !body.isActive() && body.getActivationState() == ISLAND_SLEEPING;
-      }))
-    wakeGroup(group);
-  group.calmTime = sleepIsOff() || movesTooFast(group, tick) ? 0.0 : group.calmTime + calmTimeOf(tick);
+  if (group.asleep || anyMember(group, isAsleep)) wakeGroup(group);
+  group.calmTime = sleepIsOff() || movesTooFast(group, lastTick) ? 0.0 : group.calmTime + calmTimeOf(tick);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
   for (SoftBodyData* body : group.bodies)
     if (body->surface.object)
@@ -277,11 +294,27 @@ void listQuiet(std::vector<LinkedGroup>& groups, double tick, SleepScratch& s) {
   for (const SleepBox& box : s.quiet) s.widest = std::max(s.widest, box.box.sizes().x());
 }
 
-/// Stirs all groups that something awake touches, and those that these touch.
+/// Stirs sleeping groups that a moving kinematic object holds by a spring or anchor.
+void stirHeld(std::vector<LinkedGroup>& groups, const KinematicMotions& kinematic, double tick,
+              SleepScratch& s) {
+  s.holders.clear();
+  for (const KinematicMotion& m : kinematic.all())
+    if (m.moves()) s.holders.push_back(m.object);
+  if (s.holders.empty()) return;
+  std::sort(s.holders.begin(), s.holders.end(), std::less<>());
+  const auto moves = [&](const RigidPartner& partner) {
+    return std::binary_search(s.holders.begin(), s.holders.end(), partner.body, std::less<>());
+  };
+  for (LinkedGroup& group : groups)
+    if (group.asleep && std::any_of(group.rigids.begin(), group.rigids.end(), moves)) stir(group, tick, s);
+}
+
+/// Stirs all groups that something awake touches or holds, and those that these touch.
 void stirQuiet(std::vector<LinkedGroup>& groups, const MovingObjects& objects,
                const KinematicMotions& kinematic, double tick, SleepScratch& s) {
   s.awake.clear();
   addOthersAwake(groups, objects, kinematic, tick, s);
+  stirHeld(groups, kinematic, tick, s);
   for (LinkedGroup& group : groups)
     if (!isQuiet(group)) addAwake(group, tick, s);
   if (s.awake.empty() && s.calm.empty() && std::none_of(groups.begin(), groups.end(), wantsSleep)) return;
@@ -300,9 +333,10 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
   scratch.islands.assign(static_cast<std::size_t>(world.getNumCollisionObjects()), 0);
   bool anyQuiet = false;
   for (LinkedGroup& group : groups) {
-    updateCalmTime(group, tick);
+    updateCalmTime(group, tick, scratch.lastTick > btScalar(0) ? scratch.lastTick : tick);
     anyQuiet = anyQuiet || isQuiet(group);
   }
+  scratch.lastTick = tick;
   if (anyQuiet) stirQuiet(groups, objects, kinematic, double(tick), scratch);
   awake.clear();
   for (LinkedGroup& group : groups) {

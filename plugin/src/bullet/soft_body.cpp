@@ -225,6 +225,12 @@ btVector3 SoftBody::anchorForce(std::uint32_t i) const {
 std::uint32_t SoftBody::restorations() const { return data_->restorations; }
 bool SoftBody::sleeping() const { return data_->asleep; }
 void SoftBody::wake() { wakeBody(*data_, false); }
+void SoftBody::sleep() {
+  data_->calmTime = 0.0;
+  if (data_->surface.object) data_->surface.object->setActivationState(ISLAND_SLEEPING);
+  for (PointMass* point : data_->masses.bodies)
+    if (point) point->setActivationState(ISLAND_SLEEPING);
+}
 
 Stepper SoftBody::stepper() const { return data_->stepper; }
 double SoftBody::softening() const { return data_->softening ? data_->softening->share : 1.0; }

@@ -381,7 +381,7 @@ void finishSurface(SoftBodyData& body, btScalar tick) {
 bool anySurfacePointMoves(SoftBodyData& body, btScalar tick) {
   if (!body.masses.exposed) {
     const double still = double(body.surface.object->getLinearSleepingThreshold() * tick);
-    return sumsOf(body).farthest > still * still;
+    return sumsOf(body).farthest >= still * still;
   }
   return anyPointMoves(body, tick);
 }
