@@ -2,8 +2,11 @@
 // All points of a soft body fall asleep and wake together.
 #include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/small_meshes.h"
 #include "support/tested_way.h"
 
+#include <limber/contacts.h>
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>
@@ -401,6 +404,32 @@ TEST_F(SleepTest, soonWithVaryingTicks) {
     time += tick;
   }
   EXPECT_LT(time, 8.0);
+}
+
+/// A soft ball in the groove of two rigid balls that stand between walls. Its faces roll on them.
+TEST(Sleep, ofASoftBallOnRigidBalls) {
+  if (!test::kSurface) GTEST_SKIP() << "only surfaces have faces";
+  for (const double gap : {0.27, 0.29, 0.33}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    const double radius = 0.235;
+    const double x = radius + 0.5 * gap;
+    for (const int side : {-1, 1}) {
+      bullet.addBox(test::vec(0.5, 1, 2), 0, test::vec(side * (x + radius + 0.5), 1, 0));
+      bullet.addBox(test::vec(2, 1, 0.5), 0, test::vec(0, 1, side * (radius + 0.5)));
+      bullet.add(std::make_unique<btSphereShape>(btScalar(radius)), 0.6, test::vec(side * x, radius, 0));
+    }
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0.01, 0.75, 0.02};
+    s.scale.setConstant(0.461);
+    s.totalMass = s.damping = 0.2;
+    s.extensionStiffness = s.compressionStiffness = 200.0;
+    const SoftBody* body = *system.createBody(*buildNetwork(small_meshes::icosphere(1)), s);
+    bullet.simulate(10.0);
+    EXPECT_TRUE(body->sleeping()) << gap;
+    for (const SoftContact& c : body->contacts()) EXPECT_GT(c.distance, -1e-3) << gap;
+  }
 }
 
 TEST(Sleep, whatRestedOnADestroyedBodyFalls) {

@@ -237,6 +237,18 @@ bool counts(const SurfaceCandidate& m, const SurfaceContact& c, SurfaceSearch& s
   return m.partner || isHeldContact(m, c, margin(m), s);
 }
 
+/// Returns the sum of the radii (m) if side b of the contact is a ball about a rigid body's centre of mass,
+/// else 0.
+double ballRadius(const SurfaceCandidate& m, const Contact& contact) {
+  if (!m.partner || contact.b.kind != ContactPoint::Kind::Rigid) return 0.0;
+  const MovingSurface& b = surfaceB(m);
+  const double sum = b.radius + m.body->surface.moving.radius;
+  if (b.position->cols() != 1) return 0.0;
+  // of the positions, which Bullet rounds
+  constexpr double kRounding = 1e-3;
+  return (contact.b.arm - sum * contact.normal).norm() < kRounding * b.radius ? sum : 0.0;
+}
+
 /// Adds the contacts that count, for the motion in the coming `ahead` seconds of a tick. pointB(c) is the
 /// point on a side b that is not static or kinematic.
 template <class PointB>
@@ -250,6 +262,7 @@ void addContacts(const SurfaceCandidate& m, const std::vector<SurfaceContact>& c
       setHeldSide(m, c, ahead, tick, pair);
     else
       pair.b = pointB(c);
+    pair.spheres = ballRadius(m, pair);
     pairs.push_back(pair);
     sources.push_back(sourceOf(m, c));
   }

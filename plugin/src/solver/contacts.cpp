@@ -28,11 +28,14 @@ void addPoint(IslandConstraints& rows, double* velocity, const Vector3d& inverse
   rows.momentArms.push_back({});
 }
 
+void setSpeeds(ConstraintRotation& rotation, const ContactConstraint& row, const Vector3d& arm) {
+  for (int k = 0; k < 3; ++k) Map(rotation.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
+}
+
 void addRotation(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid,
                  const Vector3d& arm, double massFactor) {
-  ConstraintRotation rotation{&rigid, 1.0 / massFactor, {}, {}};
-  for (int k = 0; k < 3; ++k) Map(rotation.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
-  rows.rotations.push_back(rotation);
+  rows.rotations.push_back({&rigid, 1.0 / massFactor, {}, {}});
+  setSpeeds(rows.rotations.back(), row, arm);
 }
 
 constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
@@ -336,6 +339,43 @@ void followSpheres(IslandConstraints& rows, std::size_t index, double dt) {
   moveRow(rows, index, normal, normal.dot(offset) - radiusSum, weights);
 }
 
+/// Returns the weights of the point of a soft feature (1 to 3 points) that is nearest to p.
+std::array<double, 3> nearestWeights(const std::array<Vector3d, 3>& x, std::uint32_t count,
+                                     const Vector3d& p) {
+  if (count == 1) return {1.0, 0.0, 0.0};
+  if (count == 2) {
+    const double along = nearestOnSegment(x[0], x[1], p);
+    return {1.0 - along, along, 0.0};
+  }
+  const Vector3d weights = nearestBarycentric(x, p);
+  return {weights[0], weights[1], weights[2]};
+}
+
+/// Moves the contact to where the soft feature and the ball are nearest. The plane of the start of the tick
+/// would let the faces of a soft body that rolls on balls overlap with them, and it would gain the energy of
+/// removing that in each tick. A ball whose centre is behind the feature keeps its plane.
+void followBall(IslandConstraints& rows, std::size_t index, const LinkedBodies& bodies) {
+  ContactConstraint& row = rows.rows[index];
+  Contact& contact = contactOf(rows, index);
+  const Vector3d& centre = bodies.rigids[contact.b.body].position;
+  std::array<Vector3d, 3> x{centre, centre, centre};
+  const std::uint32_t count = row.firstOfB - row.firstPoint;
+  for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.momentArms[row.firstPoint + i].position);
+  const std::array<double, 3> weights = nearestWeights(x, count, centre);
+  Vector3d offset = -centre;
+  for (std::uint32_t i = 0; i < count; ++i) offset += weights[i] * x[i];
+  if (!(offset.dot(ConstMap(row.axes[0])) > 0.0)) return;
+  setNormal(contact, row, offset.normalized());
+  contact.b.arm = contact.spheres * ConstMap(row.axes[0]);
+  for (std::uint32_t i = 0; i < count; ++i) setShare(rows, row.firstPoint + i, weights[i]);
+  setSpeeds(rows.rotations[row.firstRotation], row, -contact.b.arm);
+  const Vector3d speeds = inAxes(row, contact.a.velocity - contact.b.velocity);
+  row.surfaceSpeeds = {speeds[0], speeds[1], speeds[2]};
+  row.gap = offset.norm() - contact.spheres;
+  const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
+  setMobility(row, Mobility::from(axes.transpose() * mobilityOf(rows, row, contact, bodies) * axes));
+}
+
 void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
   double mobility = 0.0;
   forEachSide(
@@ -391,7 +431,7 @@ Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& veloci
   return offset + std::min(time, dt) * velocity;
 }
 
-void followContacts(IslandConstraints& rows, Team& team, double dt) {
+void followContacts(IslandConstraints& rows, const LinkedBodies& bodies, Team& team, double dt) {
   forEachRow(rows, team, [&](std::size_t i) {
     const Contact& c = contactOf(rows, i);
     if (c.ended) return;
@@ -399,6 +439,8 @@ void followContacts(IslandConstraints& rows, Team& team, double dt) {
       followPlane(rows, i);
     else if (c.corners.count > 0)
       followCorners(rows, i);
+    else if (c.spheres > 0.0 && c.b.kind == ContactPoint::Kind::Rigid)
+      followBall(rows, i, bodies);
     else if (c.spheres > 0.0)
       followSpheres(rows, i, dt);
   });

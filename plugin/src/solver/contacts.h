@@ -62,7 +62,8 @@ struct Contact : ContactBase {
   ContactImpulse positionImpulse, velocityImpulse;  ///< of the present substep; initially the warm start
   const PlaneContact* held = nullptr;  ///< for a point on a surface at rest: the plane that follows it
   HeldCorners corners;                 ///< for an edge or triangle: the corners over which it slides
-  double spheres = 0.0;  ///< m, for two point masses: sum of the radii; the contact follows the points
+  double spheres = 0.0;  ///< m, for two point masses, or a rigid side b that is a ball about its centre of
+                         ///< mass: sum of the radii; the contact follows both sides
   bool ended = false;    ///< the contact has ended in this tick; its impulse still counts
 };
 
@@ -266,7 +267,7 @@ Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Ve
 
 /// Updates contacts with surfaces at rest, and contacts between point masses, to the present positions of the
 /// soft bodies. Call it before a drift of dt seconds.
-void followContacts(IslandConstraints& rows, Team& team, double dt);
+void followContacts(IslandConstraints& rows, const LinkedBodies& bodies, Team& team, double dt);
 
 /// Updates the gaps for a drift of dt seconds.
 void updateGaps(IslandConstraints& rows, Team& team, double dt);

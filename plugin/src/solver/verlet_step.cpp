@@ -332,7 +332,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     const bool last = s + 1 == substeps;
     searchAgain(group, team, s, substeps, dt);
     kickAndStop(group, team, s * dt, dt);
-    followContacts(group.pairs, team, dt);
+    followContacts(group.pairs, group.links, team, dt);
     solvePositions(group.pairs, group.links, team, dt, tick);
     updateGaps(group.pairs, team, dt);
     const bool estimates = last || 2 * s == substeps;
@@ -342,7 +342,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     // anchors and contacts before dampers: these must not use the velocity of a point that the kick moves
     // away from its anchor or contact
     kickAndSettle(group, team, dt);
-    followContacts(group.pairs, team, 0.0);
+    followContacts(group.pairs, group.links, team, 0.0);
     solveVelocities(group.pairs, group.links, team);
     sumAnchorImpulses(group.links);
     // the half dampings of two successive substeps act at the same positions, so a full one replaces them
