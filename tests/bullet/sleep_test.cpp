@@ -422,7 +422,7 @@ TEST(Sleep, ofASoftBallOnRigidBalls) {
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
     s.position = {0.01, 0.75, 0.02};
-    s.scale.setConstant(0.461);
+    s.scale.setConstant(0.461 / 2);
     s.totalMass = s.damping = 0.2;
     s.extensionStiffness = s.compressionStiffness = 200.0;
     const SoftBody* body = *system.createBody(*buildNetwork(small_meshes::icosphere(1)), s);

@@ -82,7 +82,7 @@ TEST(SurfaceContact, aMarbleRestsOnAFaceWithoutJitter) {
     marble->setFriction(1);
     marble->setRollingFriction(0);
     marble->setDamping(btScalar(0.2), btScalar(0.9));
-    bullet.simulate(8.0);
+    bullet.simulate(10.0);
     double low = 1e9, high = -1e9;
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
