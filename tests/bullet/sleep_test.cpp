@@ -367,6 +367,28 @@ TEST_F(SleepTest, whatLiesOnABodyFallsWhenThatShrinksOrIsRestoredElsewhere) {
   EXPECT_NEAR(upper->centerOfMass().y(), 0.5, 0.05);
 }
 
+/// A world that is restored or loaded sleeps as it did, whatever the settings of its bodies were in between.
+TEST_F(SleepTest, staysWhenAWorldIsRestoredOrLoaded) {
+  SoftBody *lower = restingCube(), *upper = restingCube(0, 1.55);
+  bullet.simulate(8.0);
+  ASSERT_TRUE(lower->sleeping() && upper->sleeping());
+  const std::vector<std::uint8_t> state = system.saveState(), bodies = system.saveBodies();
+  SoftBodySettings s = upper->settings();
+  s.scale *= 0.9;
+  ASSERT_TRUE(upper->change(s));
+  bullet.simulate(1.0);
+  ASSERT_TRUE(system.restoreState(state));
+  EXPECT_TRUE(lower->sleeping() && upper->sleeping());
+  bullet.tick();
+  EXPECT_TRUE(lower->sleeping() && upper->sleeping());
+  BulletWorld other;
+  other.addBoxFloor();
+  SoftBodySystem loaded(*other.world);
+  ASSERT_TRUE(loaded.loadBodies(bodies));
+  other.tick();
+  for (std::size_t i = 0; i < loaded.bodyCount(); ++i) EXPECT_TRUE(loaded.body(i)->sleeping()) << i;
+}
+
 /// A cube hangs from a kinematic body that it cannot touch. When that moves, the cube follows.
 TEST(Sleep, aMovedKinematicHolderWakesIt) {
   for (const bool bySpring : {false, true}) {

@@ -472,7 +472,6 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
   auto model = body.models->of(body.model->network, settings);
   if (!model) return Error{model.error()};
   readFromBullet(body);
-  if (mayLetGo(body.settings, settings)) wakeNeighbours(body, false);
   const SoftBodySettings before = std::exchange(body.settings, settings);
   body.settings.position = before.position;
   body.settings.rotation = before.rotation;
@@ -496,7 +495,11 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
   return {};
 }
 
-Result<void> SoftBody::change(const SoftBodySettings& settings) { return changeSettings(*data_, settings); }
+Result<void> SoftBody::change(const SoftBodySettings& settings) {
+  if (Result<void> valid = checkChange(*data_, settings); !valid) return valid;
+  if (mayLetGo(data_->settings, settings)) wakeNeighbours(*data_, false);
+  return changeSettings(*data_, settings);
+}
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

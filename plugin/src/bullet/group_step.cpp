@@ -151,8 +151,9 @@ MotionRates ratesOf(LinkedGroup& group, double tick) {
   return rates;
 }
 
-/// Returns the largest speed (m/s) at which the body approaches what it touches, or changes its shape while
-/// it does. In an island the whole velocity counts, because the others' are not known here.
+/// Returns the largest speed (m/s) at which the body approaches what it touches, or at which its points move
+/// relative to each other while it does. In an island the whole velocity counts, because the others' are not
+/// known here.
 double impactSpeed(SoftBodyData& body, bool inIsland) {
   if (!inIsland && body.contacts.empty()) return 0.0;
   const MotionSums& sums = sumsOf(body);

@@ -125,7 +125,7 @@ Result<SoftBody*> SoftBodySystem::clone(SoftBody* body, const btTransform& trans
   const Bytes state = body->saveState();
   Result<SoftBody*> copy = createBody(body->sharedNetwork(), body->settings());
   if (!copy) return copy;
-  Result<void> done = (*copy)->restoreState(state);
+  Result<void> done = restoreStateOf(*(*copy)->data_, state);
   if (done) done = (*copy)->setTransform(transform);
   if (done) return copy;
   destroyBody(*copy);
@@ -259,7 +259,7 @@ Result<std::vector<SoftBody*>> SoftBodySystem::loadBodies(const Bytes& bytes) {
   // when all are in the world, because states name the objects that a body touches
   for (std::size_t i = 0; i < bodies.size() && reason.empty(); ++i) {
     made[i]->setName(bodies[i].name);
-    if (Result<void> restored = made[i]->restoreState(bodies[i].state); !restored)
+    if (Result<void> restored = restoreStateOf(*made[i]->data_, bodies[i].state); !restored)
       reason = failed(i, restored.error());
   }
   if (reason.empty()) return made;

@@ -314,9 +314,9 @@ void stirQuiet(std::vector<LinkedGroup>& groups, const MovingObjects& objects,
                const KinematicMotions& kinematic, double tick, SleepScratch& s) {
   s.awake.clear();
   addOthersAwake(groups, objects, kinematic, tick, s);
-  stirHeld(groups, kinematic, tick, s);
   for (LinkedGroup& group : groups)
     if (!isQuiet(group)) addAwake(group, tick, s);
+  stirHeld(groups, kinematic, tick, s);
   if (s.awake.empty() && s.calm.empty() && std::none_of(groups.begin(), groups.end(), wantsSleep)) return;
   listQuiet(groups, tick, s);
   std::size_t next = 0;

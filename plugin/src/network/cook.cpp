@@ -300,8 +300,11 @@ Result<CookedFilling> fill(Builder& builder, const Part& part) {
   ++builder.choices.thickened;
   Result<TetrahedralMesh> thickened = fillThickened(builder, part, *solid, points);
   if (!builder.going) return Error{kEnded};
-  if (!thickened) return Error{thickened.error()};
-  return CookedFilling{std::move(*thickened), true};
+  if (thickened) return CookedFilling{std::move(*thickened), true};
+  // one that misses something is better than none
+  Result<TetrahedralMesh> rough = fillWithPoints(solid->surface, static_cast<std::size_t>(points));
+  if (!rough) return Error{thickened.error()};
+  return CookedFilling{std::move(*rough), false};
 }
 
 /// Smallest spring constants of thickened bodies, as fractions of Van Gelder's: their limbs are not exact

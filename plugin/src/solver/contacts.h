@@ -265,8 +265,8 @@ void forEachRow(IslandConstraints& rows, Team& team, Visit visit) {
 Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Vector3d& velocity, double dt,
                                   double radiusSum);
 
-/// Updates contacts with surfaces at rest, and contacts between point masses, to the present positions of the
-/// soft bodies. Call it before a drift of dt seconds.
+/// Updates contacts with surfaces at rest and with rigid balls, and contacts between point masses, to the
+/// present positions of the bodies. Call it before a drift of dt seconds.
 void followContacts(IslandConstraints& rows, const LinkedBodies& bodies, Team& team, double dt);
 
 /// Updates the gaps for a drift of dt seconds.
