@@ -51,7 +51,8 @@ LaneBody makeModel(const SharedNetwork& network, double damping) {
   return body;
 }
 
-/// Fills in a cube. Cubes of different `index` differ in position, velocity and contacts.
+/// Fills in a cube. Cubes of different `index` differ in position, velocity and contacts; even ones have
+/// none.
 void fill(LaneBody& body, const SharedNetwork& network, int index) {
   body.state.resize(8);
   for (std::uint32_t i = 0; i < 8; ++i) {
@@ -68,6 +69,11 @@ void fill(LaneBody& body, const SharedNetwork& network, int index) {
     row.friction = 0.4;
     row.touch = Eigen::Vector3d(0.0, -0.4 - 0.05 * i, 0.0);
     row.surfaceVelocity = Eigen::Vector3d(0.1, 0.3, 0.0);
+    if (index == 3) row.friction = 0.0, row.recoverySpeed = 0.2, row.touch.y() += 0.3;
+    if (index == 5) row.restitution = 0.5;  // not in planes of lanes
+    body.contacts.push_back(row);
+    if (index != 7) continue;  // a corner: not in planes of lanes either
+    row.normal = Eigen::Vector3d(0.6, 0.8, 0.0);
     body.contacts.push_back(row);
   }
   body.island.bodies.push_back(body.stepped());
@@ -128,8 +134,12 @@ TEST_P(Lanes, giveTheBitsOfSingleBodies) {
         EXPECT_TRUE(sameBits(single[i].state.velocity, laned[i].state.velocity));
         EXPECT_EQ(single[i].island.bodies[0].errorRate, lanes[i]->errorRate);
         EXPECT_TRUE(single[i].state.position.allFinite());
-        for (std::size_t c = 0; c < single[i].contacts.size(); ++c)
-          EXPECT_EQ(single[i].contacts[c].impulse.sum, laned[i].contacts[c].impulse.sum);
+        for (std::size_t c = 0; c < single[i].contacts.size(); ++c) {
+          const TickImpulse &a = single[i].contacts[c].impulse, &b = laned[i].contacts[c].impulse;
+          EXPECT_EQ(a.sum, b.sum);
+          EXPECT_EQ(a.pressing, b.pressing);
+          EXPECT_EQ(a.along, b.along);
+        }
       }
     }
 }

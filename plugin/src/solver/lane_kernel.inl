@@ -26,6 +26,7 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
                   v.ambient,     packs(v.gradient), packs(v.sums),   v.timeStep};
   const TetrahedronBody& t = b.tetrahedra;
   body.tetrahedra = {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
+  body.planes = {b.planes, b.planePoints, reinterpret_cast<Plane<Pack>*>(b.planeNumbers)};
   body.hasDampers = b.damped;
   body.dampHalf = b.dampHalf;
   body.dampFull = b.dampFull;

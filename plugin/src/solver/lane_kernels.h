@@ -65,6 +65,9 @@ struct LaneBody {
   double* direction;
   VolumeBody volumes;
   TetrahedronBody tetrahedra;
+  unsigned planes;  ///< see Planes
+  const unsigned* planePoints;
+  double* planeNumbers;  ///< #planes x a Plane of packs
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;

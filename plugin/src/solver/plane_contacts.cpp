@@ -20,14 +20,11 @@ inline void applyRow(PlaneContact& row, const PointView& points, double target) 
   const double speed = row.normal.dot(relative);
   row.touching = speed < target && row.mass > 0.0;
   if (!row.touching) return;
-  const double normalImpulse = (target - speed) * row.mass;
-  Eigen::Vector3d impulse = normalImpulse * row.normal;
-  if (row.friction > 0.0) {
-    const Eigen::Vector3d sticking = (speed * row.normal - relative) * row.mass;
-    impulse += coneFactor(sticking.squaredNorm(), row.friction * normalImpulse) * sticking;
-  }
+  Eigen::Vector3d impulse;
+  const double along = kernel::contactImpulse(row.normal.data(), relative.data(), speed, target, row.mass,
+                                              row.friction, impulse.data());
   velocity += points.inverseMassOf(row.point).cwiseProduct(impulse);
-  row.impulse.add(impulse, row.normal, normalImpulse);
+  row.impulse.add(impulse, row.normal, along);
 }
 
 inline double speedAlong(const PlaneContact& row, const PointView& points) {
@@ -137,6 +134,13 @@ void solvePointVelocity(PlaneContact* rows, std::size_t count, const PointView& 
 }
 
 }  // namespace
+
+bool areFixedPlanes(const std::vector<PlaneContact>& rows) {
+  const auto isOther = [](const PlaneContact& row) { return row.around || row.restitution > 0.0; };
+  const auto haveOnePoint = [](const PlaneContact& a, const PlaneContact& b) { return a.point == b.point; };
+  return std::none_of(rows.begin(), rows.end(), isOther) &&
+         std::adjacent_find(rows.begin(), rows.end(), haveOnePoint) == rows.end();
+}
 
 ContactRange contactsOfPoint(const std::vector<PlaneContact>& rows, std::uint32_t point) {
   const auto isBefore = [](const PlaneContact& row, std::uint32_t i) { return row.point < i; };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/held_surface.h"
+#include "solver/plane_kernel.h"
 #include "solver/point_state.h"
 
 #include <algorithm>
@@ -82,20 +83,7 @@ ContactRange contactsOfPoint(const std::vector<PlaneContact>& rows, std::uint32_
 
 // --- laws of contact: recovery, friction, restitution ------------------------------------------------------
 
-/// Share of an overlap that is removed per substep.
-constexpr double kRecovery = 0.2;
-
-/// Returns the least speed (m/s) along the normal in a substep of dt seconds. A gap (m) may close. An overlap
-/// gets smaller by a share of it, but not faster than `maxSpeed`: a body that was placed inside an object
-/// must come out slowly.
-inline double minSpeed(double gap, double maxSpeed, double dt) {
-  return gap >= 0.0 ? -gap / dt : std::min(-kRecovery * gap / dt, maxSpeed);
-}
-
-/// Returns the factor that shortens a friction to the radius `limit` of Coulomb's cone; 1 inside the cone.
-inline double coneFactor(double squaredFriction, double limit) {
-  return squaredFriction > limit * limit ? limit / std::sqrt(squaredFriction) : 1.0;
-}
+using kernel::minSpeed, kernel::coneFactor;
 
 /// A substep in which a point hits a surface and leaves it by Newton's law of restitution: along the normal
 /// `mean` is the speed of the drift, and `rebound` is added after the second kick.
@@ -116,6 +104,9 @@ Bounce bounceOf(double gap, double approach, double before, double restitution, 
 /// bounceOf(). target.target must be set for a contact that does not bounce.
 void addBounce(ContactTarget& target, const ContactBase& contact, double gap, double approach, double before,
                double dt);
+
+/// Whether the contacts are with fixed planes (kernel::Plane), at most one per point.
+bool areFixedPlanes(const std::vector<PlaneContact>& rows);
 
 // --- points on planes --------------------------------------------------------------------------------------
 

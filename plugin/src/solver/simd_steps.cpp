@@ -134,30 +134,116 @@ void load(const Lanes& lanes) {
 
 void stopInLanes(void* context, double time, double dt) {
   const auto& lanes = *static_cast<const Lanes*>(context);
+  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+    SolverBody& body = *lanes.bodies[lane];
+    if (lanes.scratch.inPlanes[lane])
+      solveUnpredicted(body, lanes.points(lane), time, dt);
+    else
+      solvePositions(body, lanes.points(lane), time, dt);
+  }
+}
+
+void dragInLanes(void* context) {
+  const auto& lanes = *static_cast<const Lanes*>(context);
   for (std::size_t lane = 0; lane < lanes.used; ++lane)
-    solvePositions(*lanes.bodies[lane], lanes.points(lane), time, dt);
+    applyDrag(*lanes.bodies[lane], lanes.points(lane), lanes.dt);
 }
 
 void settleInLanes(void* context) {
   const auto& lanes = *static_cast<const Lanes*>(context);
   for (std::size_t lane = 0; lane < lanes.used; ++lane) {
-    applyDrag(*lanes.bodies[lane], lanes.points(lane), lanes.dt);
-    solveVelocities(*lanes.bodies[lane], lanes.points(lane));
+    SolverBody& body = *lanes.bodies[lane];
+    if (lanes.scratch.inPlanes[lane])
+      settleUnpredicted(body, lanes.points(lane));
+    else
+      solveVelocities(body, lanes.points(lane));
   }
 }
 
-/// Prepares the contacts and drags of all lanes. Returns false if no lane can have any.
+/// Prepares the contacts and drags of all lanes. Returns false if none needs a callback.
 bool prepareContacts(const Lanes& lanes) {
   bool any = false;
   for (std::size_t lane = 0; lane < lanes.used; ++lane) {
     SolverBody& body = *lanes.bodies[lane];
     startDrag(body);
-    any = any || body.drag;
-    if (!mayTouch(body)) continue;
-    if (body.contacts) prepareContacts(*body.contacts, lanes.points(lane));
-    any = true;
+    const bool touches = body.contacts && !body.contacts->empty(), watches = body.watch && body.watch->on;
+    if (touches) prepareContacts(*body.contacts, lanes.points(lane));
+    lanes.scratch.inPlanes[lane] = touches && areFixedPlanes(*body.contacts);
+    any = any || body.drag || watches || (touches && !lanes.scratch.inPlanes[lane]);
   }
   return any;
+}
+
+// --- fixed planes in lanes ---
+
+constexpr unsigned kNoPlane = static_cast<unsigned>(-1);
+
+/// Numbers the points of any lane that have a plane, in order of their first appearance.
+void numberPlanes(const Lanes& lanes) {
+  LaneScratch& s = lanes.scratch;
+  s.planePoints.clear();
+  s.planeOf.assign(static_cast<std::size_t>(lanes.first().points->position.cols()), kNoPlane);
+  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+    if (!s.inPlanes[lane]) continue;
+    for (const PlaneContact& row : *lanes.bodies[lane]->contacts) {
+      if (s.planeOf[row.point] != kNoPlane) continue;
+      s.planeOf[row.point] = static_cast<unsigned>(s.planePoints.size());
+      s.planePoints.push_back(row.point);
+    }
+  }
+}
+
+constexpr std::size_t kPlaneNumbers = sizeof(kernel::Plane<double>) / sizeof(double);
+
+double* numbersOf(kernel::Plane<double>& plane) { return plane.normal; }
+
+kernel::Plane<double> planeOf(const PlaneContact& row) {
+  kernel::Plane<double> plane{};
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    plane.normal[c] = row.normal[c];
+    plane.touch[c] = row.touch[c];
+    plane.surfaceVelocity[c] = row.surfaceVelocity[c];
+    plane.impulse[c] = row.impulse.sum[c];
+    plane.pressing[c] = row.impulse.pressing[c];
+  }
+  plane.along = row.impulse.along;
+  plane.friction = row.friction, plane.recoverySpeed = row.recoverySpeed, plane.mass = row.mass;
+  return plane;
+}
+
+/// Calls visit(row, index of its first number in `planes`) for all contacts in `planes`.
+template <class Visit>
+void forEachPlane(const Lanes& lanes, Visit visit) {
+  const LaneScratch& s = lanes.scratch;
+  for (std::size_t lane = 0; lane < lanes.used; ++lane)
+    if (s.inPlanes[lane])
+      for (PlaneContact& row : *lanes.bodies[lane]->contacts)
+        visit(row, s.planeOf[row.point] * kPlaneNumbers * lanes.count + lane);
+}
+
+void loadPlanes(const Lanes& lanes) {
+  LaneScratch& s = lanes.scratch;
+  numberPlanes(lanes);
+  const std::size_t count = s.planePoints.size() * kPlaneNumbers * lanes.count;
+  reserveNumbers(s.planes, count);
+  if (count > 0) std::fill_n(numbers(s.planes), count, 0.0);
+  forEachPlane(lanes, [&](PlaneContact& row, std::size_t first) {
+    kernel::Plane<double> plane = planeOf(row);
+    for (std::size_t i = 0; i < kPlaneNumbers; ++i)
+      numbers(s.planes)[first + i * lanes.count] = numbersOf(plane)[i];
+  });
+}
+
+void unloadPlanes(const Lanes& lanes) {
+  forEachPlane(lanes, [&](PlaneContact& row, std::size_t first) {
+    kernel::Plane<double> plane{};
+    for (std::size_t i = 0; i < kPlaneNumbers; ++i)
+      numbersOf(plane)[i] = numbers(lanes.scratch.planes)[first + i * lanes.count];
+    row.impulse.sum = Eigen::Vector3d::Map(plane.impulse);
+    row.impulse.pressing = Eigen::Vector3d::Map(plane.pressing);
+    row.impulse.along = plane.along;
+    row.touching = plane.least == 0.0;
+  });
 }
 
 kernel::VolumeBody laneVolumes(const Lanes& lanes) {
@@ -186,6 +272,8 @@ kernel::LaneBody laneBody(const Lanes& lanes, const kernel::ContactCalls& contac
   body.dampHalf = springs.dampHalf.data(), body.dampFull = springs.dampFull.data();
   body.volumes = laneVolumes(lanes);
   if (first.tetrahedra) body.tetrahedra = tetrahedronBody(*first.tetrahedra);
+  body.planes = static_cast<unsigned>(s.planePoints.size()), body.planePoints = s.planePoints.data();
+  if (body.planes > 0) body.planeNumbers = numbers(s.planes);
   body.contacts = &contacts;
   body.change = change;
   if (!first.sums) return body;
@@ -225,6 +313,7 @@ void unload(const Lanes& lanes, const CacheLine& change, double dt) {
       fromLane(lanes.scratch.motion, lane, lanes.count, sizeof(MotionSums) / sizeof(double), body.sums->low);
     body.errorRate = verletErrorRate(change.value[lane], state.position.cols(), dt);
   }
+  unloadPlanes(lanes);
 }
 
 /// Returns the address of the constants that bodies share, or nullptr without such a part.
@@ -256,7 +345,8 @@ void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratc
   reserve(lanes);
   load(lanes);
   const kernel::ContactCalls calls{prepareContacts(lanes) ? const_cast<Lanes*>(&lanes) : nullptr,
-                                   &stopInLanes, &settleInLanes};
+                                   &stopInLanes, &dragInLanes, &settleInLanes};
+  loadPlanes(lanes);
   CacheLine change;
   stepPacks(laneBody(lanes, calls, change.value), tick, substeps, set);
   unload(lanes, change, dt);

@@ -15,6 +15,10 @@ struct SpringBatchPoints {
   const ContactCalls& contacts() const { return *b.contacts; }
 };
 
+/// All its contacts are callbacks.
+void stopAtPlanes(const SpringBatchPoints&, double, double) {}
+void settleAtPlanes(const SpringBatchPoints&) {}
+
 Quad* springBatches(double* numbers) { return reinterpret_cast<Quad*>(numbers); }
 const Quad* springBatches(const double* numbers) { return reinterpret_cast<const Quad*>(numbers); }
 

@@ -2,68 +2,12 @@
 #pragma once
 
 // The arithmetic of a Verlet substep for a number type `V`: a double, or a pack of doubles of several bodies.
-// Every operation is one IEEE operation per lane, so all types give the same results, to the bit.
-// Source files for different instruction sets include this header. Therefore it contains only templates on V,
-// whose instances differ because each set has its own type, and it includes no standard header.
-//
-// If LIMBER_PACK_BITS (128, 256 or 512) is defined before, `Pack` is a register of that size of the
-// instruction set for which the including file is compiled. It is a plain vector type, because GCC would copy
-// a class with such a member through memory.
 
-#if defined(LIMBER_PACK_BITS) && defined(__aarch64__)
-#include <arm_neon.h>
-#elif defined(LIMBER_PACK_BITS)
-#include <immintrin.h>
-#else
-#include <cmath>
-#endif
+#include "solver/plane_kernel.h"
 
 namespace limber::kernel {
 
-// --- numbers -----------------------------------------------------------------------------------------------
-
-#if defined(LIMBER_PACK_BITS)
-
-typedef double Pack __attribute__((vector_size(LIMBER_PACK_BITS / 8)));
-
-namespace {
-
-#if defined(__aarch64__)
-inline float64x2_t squareRoot(float64x2_t x) { return vsqrtq_f64(x); }
-#elif LIMBER_PACK_BITS == 512
-// masked, because GCC 12 warns about its own header for the unmasked functions
-inline __m512d squareRoot(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
-#elif LIMBER_PACK_BITS == 256
-inline __m256d squareRoot(__m256d x) { return _mm256_sqrt_pd(x); }
-#else
-inline __m128d squareRoot(__m128d x) { return _mm_sqrt_pd(x); }
-#endif
-
-inline Pack all(Pack, double x) { return x - Pack{}; }
-
-template <class Mask>
-inline Pack select(Mask which, Pack yes, Pack no) {
-  return which ? yes : no;
-}
-
-}  // namespace
-
-#else
-
-inline double squareRoot(double x) { return std::sqrt(x); }
-
-#endif
-
-namespace {  // separate copies per source file: each is compiled for a different instruction set
-
-inline double all(double, double x) { return x; }
-inline double select(bool which, double yes, double no) { return which ? yes : no; }
-
-}  // namespace
-
 // --- the volume term of closed surfaces --------------------------------------------------------------------
-
-using Index = unsigned int;
 
 /// The closed surfaces of a body.
 template <class V>
@@ -93,16 +37,6 @@ constexpr double kMinGasVolume = 0.1;
 /// The value of (omega dt)^2 above which the push is scaled down. It is far below Verlet's limit of 4, and
 /// far above the values of bodies near their rest shape.
 constexpr double kLargestPhaseSquared = 1.0;
-
-template <class V>
-inline V larger(V a, V b) {
-  return select(a > b, a, b);
-}
-
-template <class V>
-inline V smaller(V a, V b) {
-  return select(a < b, a, b);
-}
 
 /// The push of a closed surface at one volume.
 template <class V>
@@ -302,17 +236,6 @@ struct Springs {
   V* direction;
 };
 
-/// The points: three entries per point in each array.
-template <class V>
-struct Points {
-  Index count;
-  V* position;
-  V* velocity;
-  V* force;
-  const V* acceleration;
-  const V* inverseMass;
-};
-
 /// m^2. Below this squared length the ends of a spring coincide: 1/length would lose its digits.
 constexpr double kCoincidentSquared = 1e-200;
 
@@ -393,10 +316,11 @@ inline void drift(const Points<V>& p, double dt) {
   for (Index i = 0; i < 3 * p.count; ++i) p.position[i] = p.position[i] + time * p.velocity[i];
 }
 
-/// Callbacks for the contacts of points. They are outside the kernel, since contacts differ between lanes.
+/// Callbacks for the drag and the contacts of points, except those with fixed planes.
 struct ContactCalls {
-  void* context;  ///< nullptr: no contacts
+  void* context;  ///< nullptr: no contacts and no drag
   void (*stop)(void* context, double time, double dt);
+  void (*drag)(void* context);
   void (*settle)(void* context);
 };
 
@@ -412,6 +336,7 @@ struct Body {
   const double* dampFull;
   const ContactCalls* contactCalls;
   V* earlierForce;  ///< #points x 3, scratch
+  Planes<V> planes = {};
 
   bool damped() const { return hasDampers; }
   const ContactCalls& contacts() const { return *contactCalls; }
@@ -437,6 +362,16 @@ inline void drift(const Body<V>& body, double dt) {
 template <class V>
 inline void dampAll(const Body<V>& body, bool whole, bool forward) {
   dampAll(body.springs, whole ? body.dampFull : body.dampHalf, forward, body.points);
+}
+
+template <class V>
+inline void stopAtPlanes(const Body<V>& body, double time, double dt) {
+  stopAtPlanes(body.planes, body.points, time, dt);
+}
+
+template <class V>
+inline void settleAtPlanes(const Body<V>& body) {
+  settleAtPlanes(body.planes, body.points);
 }
 
 /// Computes the forces at the end of a substep. Returns the sum over the points of the squared change of
@@ -468,6 +403,7 @@ inline V stepAlone(const Stepped& body, double tick, int substeps) {
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
     kick(body, 0.5 * dt);
+    stopAtPlanes(body, s * dt, dt);
     if (contacts.context) contacts.stop(contacts.context, s * dt, dt);
     drift(body, dt);
     if (last || 2 * s == substeps) {
@@ -477,6 +413,8 @@ inline V stepAlone(const Stepped& body, double tick, int substeps) {
       computeForces(body);
     }
     kick(body, 0.5 * dt);
+    if (contacts.context) contacts.drag(contacts.context);
+    settleAtPlanes(body);
     if (contacts.context) contacts.settle(contacts.context);
     if (body.damped()) dampAll(body, !last, s % 2 == 0);
   }

@@ -190,7 +190,8 @@ struct BodyContacts {
   kernel::ContactCalls calls() {
     const bool touches = mayTouch(*body);
     if (touches && body->contacts) prepareContacts(*body->contacts, points);
-    return {touches || body->drag ? this : nullptr, &BodyContacts::stop, &BodyContacts::settle};
+    return {touches || body->drag ? this : nullptr, &BodyContacts::stop, &BodyContacts::drag,
+            &BodyContacts::settle};
   }
 
  private:
@@ -198,9 +199,12 @@ struct BodyContacts {
     auto& self = *static_cast<BodyContacts*>(context);
     solvePositions(*self.body, self.points, time, dt);
   }
-  static void settle(void* context) {
+  static void drag(void* context) {
     auto& self = *static_cast<BodyContacts*>(context);
     applyDrag(*self.body, self.points, self.dt);
+  }
+  static void settle(void* context) {
+    auto& self = *static_cast<BodyContacts*>(context);
     solveVelocities(*self.body, self.points);
   }
 };
