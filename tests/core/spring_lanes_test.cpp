@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <memory>
@@ -14,6 +15,43 @@
 
 namespace limber {
 namespace {
+
+/// Finds a floor below points that leave their regions.
+struct FloorWatch : ContactWatch {
+  Points center;
+  std::vector<double> distance;
+
+  void start(const Points& position) {
+    center = position;
+    distance.assign(8, 0.05);
+    rows.clear();
+  }
+  bool leaves(const PointView& points, double dt, std::uint32_t i) const {
+    const Eigen::Vector3d next = points.positionOf(i) + dt * points.velocityOf(i);
+    return (next - center.col(i)).squaredNorm() > distance[i] * distance[i] &&
+           !points.inverseMassOf(i).isZero(0.0);
+  }
+  Regions regions() const override { return {&center, &distance}; }
+  bool anyLeaves(const PointView& points, double dt, std::uint32_t begin, std::uint32_t end) const override {
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (leaves(points, dt, i)) return true;
+    return false;
+  }
+  void look(const PointView& points, double, double dt) override {
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      if (!leaves(points, dt, i)) continue;
+      PlaneContact row;
+      row.point = i;
+      row.touch = Eigen::Vector3d(0.0, -0.6, 0.0);
+      rows.push_back(row);
+      distance[i] = HUGE_VAL;
+    }
+    std::sort(rows.begin(), rows.end(),
+              [](const PlaneContact& a, const PlaneContact& b) { return a.point < b.point; });
+    prepareContacts(rows, points);
+  }
+  void merge() override {}
+};
 
 struct LaneBody {
   PointState state;
@@ -23,6 +61,7 @@ struct LaneBody {
   std::vector<PlaneContact> contacts;
   std::shared_ptr<RestShape> rest;
   MotionSums sums;
+  FloorWatch watch;
   SolverIsland island;
 
   SolverBody stepped() {
@@ -30,6 +69,7 @@ struct LaneBody {
                     tetrahedra.empty() ? nullptr : &tetrahedra};
     body.rest = rest.get();
     body.sums = &sums;
+    body.watch = &watch;
     return body;
   }
 };
@@ -76,6 +116,8 @@ void fill(LaneBody& body, const SharedNetwork& network, int index) {
     row.normal = Eigen::Vector3d(0.6, 0.8, 0.0);
     body.contacts.push_back(row);
   }
+  body.watch.on = index % 3 == 0;
+  body.watch.start(body.state.position);
   body.island.bodies.push_back(body.stepped());
   body.island.links.points.push_back(&body.state);
 }
@@ -111,6 +153,7 @@ class Lanes : public testing::TestWithParam<InstructionSet> {};
 TEST_P(Lanes, giveTheBitsOfSingleBodies) {
   const InstructionSet set = GetParam();
   if (!isAvailable(set)) GTEST_SKIP() << "this machine has no " << nameOf(set);
+  std::size_t found = 0;
   const std::vector<std::pair<SharedNetwork, double>> kinds = {{test::cubeNetwork(), 0.0},
                                                                {test::cubeNetwork(), 0.7},
                                                                {test::closedCubeNetwork(), 0.7},
@@ -124,6 +167,8 @@ TEST_P(Lanes, giveTheBitsOfSingleBodies) {
       Points start;
       for (int tick = 0; tick < 20; ++tick) {
         start = single.back().state.position;
+        for (auto* bodies : {&single, &laned})
+          for (LaneBody& body : *bodies) body.watch.start(body.state.position);
         for (LaneBody& body : single) stepVerlet(body.island, 1.0 / 60.0, 7);
         stepLanes(lanes.data(), lanes.size(), scratch, 1.0 / 60.0, 7, set);
       }
@@ -140,8 +185,10 @@ TEST_P(Lanes, giveTheBitsOfSingleBodies) {
           EXPECT_EQ(a.pressing, b.pressing);
           EXPECT_EQ(a.along, b.along);
         }
+        found += laned[i].watch.rows.size();
       }
     }
+  EXPECT_GT(found, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets, Lanes,

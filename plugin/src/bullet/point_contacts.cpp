@@ -196,6 +196,8 @@ class Watch final : public SearchWatch {
     partners_.clear();
   }
 
+  Regions regions() const override { return {&body_->masses.startPosition, &body_->searchDistance}; }
+
   bool anyLeaves(const PointView& points, double dt, std::uint32_t begin, std::uint32_t end) const override {
     for (std::uint32_t i = begin; i < end; ++i)
       if (leaves(points, dt, i)) return true;
@@ -323,10 +325,12 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   const auto mayEnterBox = [&](const btCollisionObject* partner) { return mayEnter(box, *partner); };
   body.watch->on = body.settings.continuousCollision &&
                    std::any_of(body.partners.begin(), body.partners.end(), mayEnterBox);
+  const bool anyMoves = std::any_of(body.partners.begin(), body.partners.end(),
+                                    [](const btCollisionObject* partner) { return isMoved(*partner); });
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     if (body.masses.held[i]) continue;
-    addStaticRows(body, i, searchRegionOf(body, i, double(tick)), tick);
-    for (std::size_t p = 0; p < body.partners.size(); ++p)
+    addStaticRows(body, i, searchRegionAround(body, i, body.searchDistance[i]), tick);
+    for (std::size_t p = 0; anyMoves && p < body.partners.size(); ++p)
       addRows(body, i, *body.partners[p], body.partnerStamps[p], body.state.velocity.col(i), double(tick),
               tick);
     // Bullet may free a manifold at any time after this

@@ -45,17 +45,21 @@ struct SearchRegion {
   double distance;  ///< m, beyond the radius
 };
 
+/// Returns the region of point i up to a distance (m) beyond its radius.
+inline SearchRegion searchRegionAround(const SoftBodyData& body, Eigen::Index i, double distance) {
+  const Eigen::Vector3d x = body.state.position.col(i);
+  const double size = double(body.masses.shape->getRadius()) + distance;
+  return {x.array() - size, x.array() + size, distance};
+}
+
 /// Returns the region of a point with a velocity in `time` s. `partnerMotion` (m) is the motion of the
 /// partner towards it.
 inline SearchRegion searchRegionFrom(const SoftBodyData& body, Eigen::Index i,
                                      const Eigen::Vector3d& velocity, double time,
                                      double partnerMotion = 0.0) {
   const double radius = double(body.masses.shape->getRadius());
-  const Eigen::Vector3d x = body.state.position.col(i);
   const double motion = time * velocity.norm() + time * time * body.state.acceleration.col(i).norm();
-  const double distance = kSearchPerMotion * motion + partnerMotion + radius / 3.0;
-  const double size = radius + distance;
-  return {x.array() - size, x.array() + size, distance};
+  return searchRegionAround(body, i, kSearchPerMotion * motion + partnerMotion + radius / 3.0);
 }
 
 inline SearchRegion searchRegionOf(const SoftBodyData& body, Eigen::Index i, double tick,

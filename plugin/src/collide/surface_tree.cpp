@@ -148,7 +148,14 @@ std::vector<SurfaceNode> makeSurfaceTree(const Points& rest, const std::vector<S
 
 SweptBox sweptBounds(const MovingSurface& surface) {
   SweptBox box;
-  for (const std::uint32_t v : surface.topology->vertices) box = merged(box, pointBox(surface, v));
+  Eigen::Array3d low = box.low.head<3>(), high = box.high.head<3>();
+  for (const std::uint32_t v : surface.topology->vertices) {
+    const Eigen::Array3d start = surface.position->col(v), end = start + surface.motion->col(v).array();
+    low = low.min(start).min(end);
+    high = high.max(start).max(end);
+  }
+  box.low << low - surface.radius, 0.0;
+  box.high << high + surface.radius, 0.0;
   return box;
 }
 

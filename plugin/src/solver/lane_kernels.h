@@ -67,7 +67,8 @@ struct LaneBody {
   TetrahedronBody tetrahedra;
   unsigned planes;  ///< see Planes
   const unsigned* planePoints;
-  double* planeNumbers;  ///< #planes x a Plane of packs
+  double* planeNumbers;                         ///< #planes x a Plane of packs
+  const double *regionCenter, *regionDistance;  ///< see SearchRegions; nullptr: not needed
   bool damped;
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;

@@ -142,6 +142,14 @@ struct ContactWatch {
   bool on = false;
   std::vector<PlaneContact> rows;  ///< found in this tick
   virtual ~ContactWatch() = default;
+
+  /// Around each point the ball in which its contacts are known in this tick. Held points have none.
+  struct Regions {
+    const Points* center;                 ///< 3 x #points, m
+    const std::vector<double>* distance;  ///< #points, m
+  };
+  virtual Regions regions() const = 0;
+
   /// Returns whether one of the points from `begin` to `end` leaves its search region within dt seconds. Then
   /// look() finds its contacts.
   virtual bool anyLeaves(const PointView& points, double dt, std::uint32_t begin,

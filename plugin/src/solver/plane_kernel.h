@@ -68,9 +68,9 @@ constexpr double kNoLeast = -1e300;
 template <class V>
 struct Plane {
   V normal[3], touch[3], surfaceVelocity[3];
-  V friction, recoverySpeed, mass;     ///< mass 0: no contact in this lane
-  V least;                             ///< m/s along the normal after the second kick
-  V impulse[3], pressing[3], along;    ///< the TickImpulse
+  V friction, recoverySpeed, mass;   ///< mass 0: no contact in this lane
+  V least;                           ///< m/s along the normal after the second kick
+  V impulse[3], pressing[3], along;  ///< the TickImpulse
 };
 
 /// The planes of a body, at most one per point, or those of one body per lane.
@@ -92,8 +92,7 @@ inline void push(Plane<V>& plane, V least, V* velocity, const V* inverseMass) {
   plane.least = select(touches, zero, all(V(), kNoLeast));
   if (!any(touches)) return;
   V impulse[3];
-  const V along =
-      contactImpulse(plane.normal, relative, speed, least, plane.mass, plane.friction, impulse);
+  const V along = contactImpulse(plane.normal, relative, speed, least, plane.mass, plane.friction, impulse);
   const V pressing = select(touches, along, zero);
   plane.along = plane.along + pressing;
   for (Index c = 0; c < 3; ++c) {
@@ -101,6 +100,27 @@ inline void push(Plane<V>& plane, V least, V* velocity, const V* inverseMass) {
     plane.impulse[c] = plane.impulse[c] + select(touches, impulse[c], zero);
     plane.pressing[c] = plane.pressing[c] + pressing * plane.normal[c];
   }
+}
+
+/// The regions in which contacts of points are known, see ContactWatch::Regions.
+template <class V>
+struct SearchRegions {
+  Index points = 0;
+  const V* center = nullptr;    ///< 3 x #points
+  const V* distance = nullptr;  ///< #points
+};
+
+/// Returns whether a point leaves its region in a drift of dt.
+template <class V>
+inline bool anyLeaves(const SearchRegions<V>& regions, const Points<V>& p, double dt) {
+  V most = all(V(), 0.0);
+  for (Index i = 0; i < regions.points; ++i) {
+    V offset[3];
+    for (Index c = 0; c < 3; ++c)
+      offset[c] = p.position[3 * i + c] + all(V(), dt) * p.velocity[3 * i + c] - regions.center[3 * i + c];
+    most = larger(most, dot(offset, offset) - regions.distance[i] * regions.distance[i]);
+  }
+  return any(most > all(V(), 0.0));
 }
 
 /// See solvePositions() of plane_contacts.h.

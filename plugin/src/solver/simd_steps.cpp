@@ -5,6 +5,8 @@
 #include "solver/verlet_kernel.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <initializer_list>
 
@@ -160,18 +162,42 @@ void settleInLanes(void* context) {
   }
 }
 
-/// Prepares the contacts and drags of all lanes. Returns false if none needs a callback.
-bool prepareContacts(const Lanes& lanes) {
-  bool any = false;
+/// Which contacts and drags bodies in lanes have.
+struct LaneNeeds {
+  bool calls = false;    ///< in each substep: drag, or contacts that are not in planes
+  bool watches = false;  ///< search regions
+};
+
+LaneNeeds prepareContacts(const Lanes& lanes) {
+  LaneNeeds needs;
   for (std::size_t lane = 0; lane < lanes.used; ++lane) {
     SolverBody& body = *lanes.bodies[lane];
     startDrag(body);
-    const bool touches = body.contacts && !body.contacts->empty(), watches = body.watch && body.watch->on;
+    const bool touches = body.contacts && !body.contacts->empty();
     if (touches) prepareContacts(*body.contacts, lanes.points(lane));
     lanes.scratch.inPlanes[lane] = touches && areFixedPlanes(*body.contacts);
-    any = any || body.drag || watches || (touches && !lanes.scratch.inPlanes[lane]);
+    needs.calls = needs.calls || body.drag || (touches && !lanes.scratch.inPlanes[lane]);
+    needs.watches = needs.watches || (body.watch && body.watch->on);
   }
-  return any;
+  return needs;
+}
+
+/// Held points, and bodies without a watch, have no region to leave.
+void loadRegions(const Lanes& lanes) {
+  LaneScratch& s = lanes.scratch;
+  const auto points = static_cast<std::size_t>(lanes.first().points->position.cols());
+  reserveNumbers(s.regionCenter, 3 * points * lanes.count);
+  reserveNumbers(s.regionDistance, points * lanes.count);
+  std::fill_n(numbers(s.regionDistance), points * lanes.count, HUGE_VAL);
+  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+    const SolverBody& body = *lanes.bodies[lane];
+    if (!body.watch || !body.watch->on) continue;
+    const ContactWatch::Regions regions = body.watch->regions();
+    toLane(*regions.center, s.regionCenter, lane, lanes.count);
+    for (std::size_t i = 0; i < points; ++i)
+      if (!body.points->inverseMass.col(static_cast<Eigen::Index>(i)).isZero(0.0))
+        numbers(s.regionDistance)[i * lanes.count + lane] = (*regions.distance)[i];
+  }
 }
 
 // --- fixed planes in lanes ---
@@ -194,6 +220,7 @@ void numberPlanes(const Lanes& lanes) {
 }
 
 constexpr std::size_t kPlaneNumbers = sizeof(kernel::Plane<double>) / sizeof(double);
+constexpr std::size_t kFirstResult = offsetof(kernel::Plane<double>, least) / sizeof(double);
 
 double* numbersOf(kernel::Plane<double>& plane) { return plane.normal; }
 
@@ -237,7 +264,7 @@ void loadPlanes(const Lanes& lanes) {
 void unloadPlanes(const Lanes& lanes) {
   forEachPlane(lanes, [&](PlaneContact& row, std::size_t first) {
     kernel::Plane<double> plane{};
-    for (std::size_t i = 0; i < kPlaneNumbers; ++i)
+    for (std::size_t i = kFirstResult; i < kPlaneNumbers; ++i)
       numbersOf(plane)[i] = numbers(lanes.scratch.planes)[first + i * lanes.count];
     row.impulse.sum = Eigen::Vector3d::Map(plane.impulse);
     row.impulse.pressing = Eigen::Vector3d::Map(plane.pressing);
@@ -344,11 +371,17 @@ void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratc
   prepareVolumes(lanes.first(), dt);
   reserve(lanes);
   load(lanes);
-  const kernel::ContactCalls calls{prepareContacts(lanes) ? const_cast<Lanes*>(&lanes) : nullptr,
-                                   &stopInLanes, &dragInLanes, &settleInLanes};
+  const LaneNeeds needs = prepareContacts(lanes);
+  const kernel::ContactCalls calls{needs.calls || needs.watches ? const_cast<Lanes*>(&lanes) : nullptr,
+                                   needs.calls, &stopInLanes, &dragInLanes, &settleInLanes};
   loadPlanes(lanes);
   CacheLine change;
-  stepPacks(laneBody(lanes, calls, change.value), tick, substeps, set);
+  kernel::LaneBody body = laneBody(lanes, calls, change.value);
+  if (needs.watches && !needs.calls) {
+    loadRegions(lanes);
+    body.regionCenter = numbers(scratch.regionCenter), body.regionDistance = numbers(scratch.regionDistance);
+  }
+  stepPacks(body, tick, substeps, set);
   unload(lanes, change, dt);
 }
 

@@ -36,12 +36,13 @@ const char* nameOf(InstructionSet set);
 struct LaneScratch {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce, start;  // 3 x #points
   AlignedNumbers direction;                                                                  // 3 x #springs
-  AlignedNumbers gradient, sums;      // 3 x #points, 4 x #components
-  AlignedNumbers motion;              // a MotionSums
-  AlignedNumbers planes;              // #planes x a Plane
-  std::vector<unsigned> planePoints;  // #planes
-  std::vector<unsigned> planeOf;      // #points: number of the plane; kNoPlane: none
-  std::array<bool, 8> inPlanes;       // #lanes: whether the body's contacts are in `planes`
+  AlignedNumbers gradient, sums;                // 3 x #points, 4 x #components
+  AlignedNumbers motion;                        // a MotionSums
+  AlignedNumbers regionCenter, regionDistance;  // 3 x #points, #points
+  AlignedNumbers planes;                        // #planes x a Plane
+  std::vector<unsigned> planePoints;            // #planes
+  std::vector<unsigned> planeOf;                // #points: number of the plane; kNoPlane: none
+  std::array<bool, 8> inPlanes;                 // #lanes: whether the body's contacts are in `planes`
 };
 
 /// Steps 1 to laneCount(set) bodies, each in a lane of the registers. They have equal springs, dampers,

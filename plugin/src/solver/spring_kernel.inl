@@ -18,6 +18,7 @@ struct SpringBatchPoints {
 /// All its contacts are callbacks.
 void stopAtPlanes(const SpringBatchPoints&, double, double) {}
 void settleAtPlanes(const SpringBatchPoints&) {}
+bool anyLeaves(const SpringBatchPoints&, double) { return false; }
 
 Quad* springBatches(double* numbers) { return reinterpret_cast<Quad*>(numbers); }
 const Quad* springBatches(const double* numbers) { return reinterpret_cast<const Quad*>(numbers); }

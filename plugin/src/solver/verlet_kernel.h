@@ -319,6 +319,7 @@ inline void drift(const Points<V>& p, double dt) {
 /// Callbacks for the drag and the contacts of points, except those with fixed planes.
 struct ContactCalls {
   void* context;  ///< nullptr: no contacts and no drag
+  bool always;    ///< they are needed in each substep, not only once a point leaves its search region
   void (*stop)(void* context, double time, double dt);
   void (*drag)(void* context);
   void (*settle)(void* context);
@@ -337,6 +338,7 @@ struct Body {
   const ContactCalls* contactCalls;
   V* earlierForce;  ///< #points x 3, scratch
   Planes<V> planes = {};
+  SearchRegions<V> regions = {};
 
   bool damped() const { return hasDampers; }
   const ContactCalls& contacts() const { return *contactCalls; }
@@ -374,6 +376,11 @@ inline void settleAtPlanes(const Body<V>& body) {
   settleAtPlanes(body.planes, body.points);
 }
 
+template <class V>
+inline bool anyLeaves(const Body<V>& body, double dt) {
+  return anyLeaves(body.regions, body.points, dt);
+}
+
 /// Computes the forces at the end of a substep. Returns the sum over the points of the squared change of
 /// acceleration in the substep.
 template <class V>
@@ -397,6 +404,7 @@ template <class V, class Stepped>
 inline V stepAlone(const Stepped& body, double tick, int substeps) {
   const ContactCalls& contacts = body.contacts();
   const double dt = tick / substeps;
+  bool calls = contacts.context && contacts.always;
   V change = all(V(), 0.0);
   computeForces(body);
   if (body.damped()) dampAll(body, false, false);
@@ -404,7 +412,8 @@ inline V stepAlone(const Stepped& body, double tick, int substeps) {
     const bool last = s + 1 == substeps;
     kick(body, 0.5 * dt);
     stopAtPlanes(body, s * dt, dt);
-    if (contacts.context) contacts.stop(contacts.context, s * dt, dt);
+    calls = calls || (contacts.context && anyLeaves(body, dt));
+    if (calls) contacts.stop(contacts.context, s * dt, dt);
     drift(body, dt);
     if (last || 2 * s == substeps) {
       const V now = computeForcesAndChange(body);
@@ -413,9 +422,9 @@ inline V stepAlone(const Stepped& body, double tick, int substeps) {
       computeForces(body);
     }
     kick(body, 0.5 * dt);
-    if (contacts.context) contacts.drag(contacts.context);
+    if (calls) contacts.drag(contacts.context);
     settleAtPlanes(body);
-    if (contacts.context) contacts.settle(contacts.context);
+    if (calls) contacts.settle(contacts.context);
     if (body.damped()) dampAll(body, !last, s % 2 == 0);
   }
   return change;

@@ -190,7 +190,7 @@ struct BodyContacts {
   kernel::ContactCalls calls() {
     const bool touches = mayTouch(*body);
     if (touches && body->contacts) prepareContacts(*body->contacts, points);
-    return {touches || body->drag ? this : nullptr, &BodyContacts::stop, &BodyContacts::drag,
+    return {touches || body->drag ? this : nullptr, true, &BodyContacts::stop, &BodyContacts::drag,
             &BodyContacts::settle};
   }
 
