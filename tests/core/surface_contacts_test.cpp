@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
+#include <vector>
 
 namespace limber {
 namespace {
@@ -99,6 +101,49 @@ TEST(SurfaceContacts, cubesLieFlush) {
     expectSupports(found, upper, 0.0, {pose.x, 0, pose.z});
     EXPECT_LE(found.size(), 12u);
   }
+}
+
+/// Returns the shape with so many unused points that nothing is left out along the line between surfaces.
+MovingShape withUnusedPoints(MovingShape shape) {
+  const Eigen::Index used = shape.position.cols(), all = used + 200;
+  for (Points* array : {&shape.position, &shape.motion}) {
+    array->conservativeResize(3, all);
+    array->rightCols(all - used).setZero();
+  }
+  return shape;
+}
+
+TEST(SurfaceContacts, areCompleteAlongTheLineBetweenSurfaces) {
+  std::mt19937 random(5);
+  const std::vector<MovingShape> shapes = {cube(),
+                                           test::boxShape({0.2, 1.0, 0.6}, 0.0, true),
+                                           test::ballShape(1, kRadius),
+                                           test::hullShape(20, 0.0, random),
+                                           test::ropeShape(6, 0.2, kRadius),
+                                           test::clothShape(5, 0.2, kRadius),
+                                           test::sphereShape(0.4)};
+  std::size_t contacts = 0, empty = 0;
+  for (int i = 0; i < 3000; ++i) {
+    MovingShape a = shapes[random() % shapes.size()], b = shapes[random() % shapes.size()];
+    a.move(test::randomTurn(random));
+    b.move(Translation3d(1.3 * test::randomVector(random)) * test::randomTurn(random));
+    const double speed = 0.1 * static_cast<double>(random() % 4);
+    a.setMotion(speed * test::randomVector(random) + Vector3d(0.0, -1.0, 0.0));
+    b.setMotion(speed * test::randomVector(random) + Vector3d(0.0, -1.0, 0.0));
+    MovingShape all = withUnusedPoints(a);
+    const auto found = test::contactsOf(a, b, kMargin), wanted = test::contactsOf(all, b, kMargin);
+    SCOPED_TRACE(i);
+    ASSERT_EQ(found.size(), wanted.size());
+    for (std::size_t c = 0; c < found.size(); ++c) {
+      EXPECT_EQ(found[c].key, wanted[c].key);
+      EXPECT_EQ(found[c].gap, wanted[c].gap);
+      EXPECT_EQ(found[c].normal, wanted[c].normal);
+    }
+    contacts += found.size();
+    empty += found.empty();
+  }
+  EXPECT_GT(contacts, 3000u);
+  EXPECT_GT(empty, 500u);
 }
 
 /// The cubes overlap slightly, as after a hard landing.

@@ -24,11 +24,6 @@ struct RigidMotions {
   Eigen::AlignedBox3d box;  ///< m
 };
 
-/// The least and the largest coordinate (m) along a direction.
-struct Extent {
-  double low = 0.0, high = 0.0;
-};
-
 /// A direction along which two surfaces, without their radii, are apart, and their extents.
 struct SeparatingAxis {
   bool isKnown = false;

@@ -349,6 +349,16 @@ bool areParallel(const Vector3d& a, const Vector3d& b) {
   return a.cross(b).squaredNorm() <= kSine * kSine * a.squaredNorm() * b.squaredNorm();
 }
 
+/// Whether the edges stay farther apart than `distance` (m) along the normal of both at the start.
+bool stayApart(const MovingFeature<2>& a, const MovingFeature<2>& b, double distance) {
+  const Vector3d normal = edgeVector(a, 0.0).cross(edgeVector(b, 0.0));
+  const double start = normal.dot(b.start.col(0) - a.start.col(0)), side = start < 0.0 ? -1.0 : 1.0;
+  const Eigen::RowVector2d motionA = side * normal.transpose() * a.motion,
+                           motionB = side * normal.transpose() * b.motion;
+  const double nearest = side * start + std::min(0.0, motionB.minCoeff() - motionA.maxCoeff());
+  return nearest > 0.0 && nearest * nearest > distance * distance * normal.squaredNorm();
+}
+
 /// Returns the tolerance of an edge of this length (m) for a vertex. The feet of the centre of a ball beside
 /// a convex edge of the fold angle f are outside both triangles by up to R f / 2: a smaller angle is flat
 /// only if that is within the tolerance of feet.
@@ -460,6 +470,7 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
   if (areParallel(edgeVector(a, 0.0), edgeVector(b, 0.0))) return;
+  if (stayApart(a, b, pair.radiusSum() + pair.margin)) return;
   const auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever || nearest.a.minCoeff() <= 0.0 || nearest.b.minCoeff() <= 0.0) return;
   const Vector3d alongA = edgeVector(a, nearest.time), alongB = edgeVector(b, nearest.time);

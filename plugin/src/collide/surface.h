@@ -95,6 +95,11 @@ inline double separation(const SweptBox& a, const SweptBox& b) {
   return (a.low - b.high).max(b.low - a.high).maxCoeff();
 }
 
+/// The least and the largest coordinate (m) along a direction.
+struct Extent {
+  double low = 0.0, high = 0.0;
+};
+
 /// The boxes of a surface, enlarged by its radius.
 struct SurfaceBoxes {
   std::vector<SweptBox> points;  ///< #points

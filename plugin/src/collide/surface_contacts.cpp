@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 namespace limber {
@@ -81,6 +82,88 @@ void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
     collideEdgesOf(pair, a, b, search);
   }
 }
+
+// --- what is apart along the line between the surfaces
+// -------------------------------------------------------
+
+// The boxes of large triangles overlap where the triangles are far apart. Most of these are apart along the
+// line between the centres of the surfaces, and so are many surfaces whose boxes overlap.
+
+/// Number of points of a surface from which a search costs less than the projection of all of them.
+constexpr Eigen::Index kManyPoints = 200;
+
+Vector3d centerOf(const SweptBox& box) { return 0.5 * (box.low + box.high).head<3>(); }
+
+/// Sets the extents of the points, with their motions relative to `common` (m). Returns that of all.
+Extent project(const MovingSurface& surface, const Vector3d& direction, const Vector3d& common,
+               std::vector<Extent>& points) {
+  points.resize(static_cast<std::size_t>(surface.position->cols()));
+  Extent all{SweptBox::kEmpty, -SweptBox::kEmpty};
+  const double shift = direction.dot(common);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    const double start = direction.dot(surface.position->col(column));
+    const double end = start + direction.dot(surface.motion->col(column)) - shift;
+    points[i] = {std::min(start, end), std::max(start, end)};
+    all = {std::min(all.low, points[i].low), std::max(all.high, points[i].high)};
+  }
+  return all;
+}
+
+/// The extents of two surfaces along the line between their centres.
+class Between {
+ public:
+  Between(const SurfacePair& pair, ContactSearch& search)
+      : pair_(pair), search_(search), distance_(pair.margin + pair.radiusSum()) {
+    direction_ = (centerOf(pair.b.boxes->nodes[0]) - centerOf(pair.a.boxes->nodes[0])).stableNormalized();
+    const Vector3d common = pair.b.motion->col(0);
+    a_ = project(pair.a, direction_, common, search.pointsA);
+    b_ = project(pair.b, direction_, common, search.pointsB);
+  }
+
+  /// Whether the surfaces, and so their convex hulls, do not come near each other.
+  bool areApart() const { return areApart(a_, b_); }
+
+  /// Drops the pairs in `search.near` that are apart.
+  void dropApart() const {
+    std::uint32_t leafA = kNoFeature, leafB = kNoFeature;
+    Extent a, b;
+    const auto isApart = [&](const LeafPairs::value_type& near) {
+      if (near.first != leafA) a = extentOf(pair_.a, leafA = near.first, search_.pointsA);
+      if (near.second != leafB) b = extentOf(pair_.b, leafB = near.second, search_.pointsB);
+      return areApart(a, b);
+    };
+    LeafPairs& near = search_.near;
+    near.erase(std::remove_if(near.begin(), near.end(), isApart), near.end());
+  }
+
+ private:
+  bool areApart(const Extent& a, const Extent& b) const {
+    return b.low - a.high > distance_ || a.low - b.high > distance_;
+  }
+
+  /// Returns the extent of an element, with the depth to which it pushes out what is behind it.
+  Extent extentOf(const MovingSurface& surface, std::uint32_t leaf, const std::vector<Extent>& points) const {
+    const SurfaceTopology& t = *surface.topology;
+    const SurfaceElement& element = t.elements[t.nodes[leaf].element];
+    const auto& [i, j, k] = element.corners;
+    Extent extent{std::min({points[i].low, points[j].low, points[k].low}),
+                  std::max({points[i].high, points[j].high, points[k].high})};
+    if (element.triangle == kNoFeature || !t.oneSided[element.triangle]) return extent;
+    const Vector3d first = surface.position->col(i);
+    const Vector3d area = (surface.position->col(j) - first).cross(surface.position->col(k) - first);
+    const double facing = area.dot(direction_);
+    if (facing >= 0.0) extent.low -= t.depthLimit[element.triangle];
+    if (facing <= 0.0) extent.high += t.depthLimit[element.triangle];
+    return extent;
+  }
+
+  const SurfacePair& pair_;
+  ContactSearch& search_;
+  Vector3d direction_;
+  Extent a_, b_;
+  double distance_;  ///< m, at which points are not near
+};
 
 // --- duplicate contacts ------------------------------------------------------------------------------------
 
@@ -174,8 +257,15 @@ void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<Surf
 
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
                          std::vector<SurfaceContact>& found) {
+  found.clear();
+  if (a.boxes->nodes.empty() || b.boxes->nodes.empty()) return;
+  const SurfacePair pair{a, b, margin, false, 0.0};
+  std::optional<Between> between;
+  if (std::max(a.position->cols(), b.position->cols()) < kManyPoints) between.emplace(pair, search);
+  if (between && between->areApart()) return;
   findNearLeaves(a, b, margin, search.waiting, search.near);
-  searchNear({a, b, margin, false, 0.0}, search, found);
+  if (between) between->dropApart();
+  searchNear(pair, search, found);
 }
 
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,

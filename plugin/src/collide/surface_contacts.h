@@ -56,7 +56,8 @@ struct PenetratingVertex {
 
 /// Scratch of a search. It is reused so that its memory is not allocated again.
 struct ContactSearch {
-  LeafPairs waiting, near;  ///< see findNearLeaves()
+  LeafPairs waiting, near;               ///< see findNearLeaves()
+  std::vector<Extent> pointsA, pointsB;  ///< #points, along the line between the surfaces
   std::vector<FeatureCandidate> candidates;
   std::vector<PenetratingVertex> penetrating;
   std::vector<std::uint64_t> bearing;  ///< input, sorted: keys of the contacts of edges that had an impulse
