@@ -194,12 +194,16 @@ void appendCandidates(const TickContacts& found, const IslandNodes& nodes, Islan
     return islands.first[nodes.groupOf[body.index]] + islands.indexInGroup[body.index];
   };
   for (const SurfaceCandidate& m : found.candidates) {
-    IslandPair candidate{&m, solverIndexOf(*m.body)};
+    IslandPair candidate;
+    candidate.surfaces = &m;
+    candidate.a = solverIndexOf(*m.body);
     candidate.displacement = displacementOf(m);
     if (m.other)
       candidate.b = solverIndexOf(*m.other);
     else if (!m.held)
       candidate.b = islands.first[nodes.ofRigid(found.find(*m.partner))];
+    else if (candidate.needsNewSearch())
+      candidate.held = heldMotion(*m.part, found.tick);
     islandOf(islands, nodes.groupOf[m.body->index]).candidates.push_back(candidate);
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 
-// This file steps an island, searches for contacts within its step, limits the energy that joints add, and
-// writes the result to Bullet.
+// This file steps an island, limits the energy that joints add, and writes the result to Bullet.
 
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
@@ -194,145 +193,7 @@ void limitEnergy(Island& island, const TickContacts& found, double energyBefore)
   if (relative > excess) slowDown(island.step, motion.mean, std::sqrt(1.0 - excess / relative));
 }
 
-// --- searches for contacts within the tick -----------------------------------------------------------------
-
-/// Fraction of the size of a surface's features: the largest relative displacement of surfaces in one
-/// substep.
-constexpr double kMaxInSubstep = 0.1;
-
-/// Numbers of searches and substeps that fine meshes may need even if their features move past each other
-/// quickly.
-constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
-
-struct SearchContext {
-  Island* island;
-  const TickContacts* found;
-  ScratchPool<SurfaceSearch>* searches;
-  std::mutex* lock;
-};
-
-/// Candidates that one task searches.
-constexpr std::uint32_t kCandidatesPerTask = 8;
-
-/// Collects the contacts of a candidate and marks them as ended until the search finds them again.
-void collectOldContacts(Island& island, std::uint32_t number, const TickContacts& found) {
-  const SurfaceCandidate& m = *island.candidates[number].surfaces;
-  island.oldContacts.clear();
-  const auto begin = island.contacts.begin();
-  for (auto it = std::lower_bound(begin, island.contacts.end(), m.first);
-       it != island.contacts.end() && *it < m.end; ++it)
-    island.oldContacts.emplace_back(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
-  const std::size_t first = island.contacts.size() + island.rows.size();
-  for (std::size_t i = 0; i < island.late.size(); ++i)
-    if (island.late[i].candidate == number)
-      island.oldContacts.emplace_back(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
-  std::sort(island.oldContacts.begin(), island.oldContacts.end());
-  for (const auto& [key, i] : island.oldContacts) island.step.pairs.contacts[i].ended = true;
-}
-
-void storeContact(Island& island, std::uint32_t candidate, const Contact& contact,
-                  const ContactSource& source) {
-  const auto it = std::lower_bound(island.oldContacts.begin(), island.oldContacts.end(),
-                                   std::pair(source.key, std::uint32_t{0}));
-  if (it == island.oldContacts.end() || it->first != source.key) {
-    island.late.push_back({candidate, source});
-    island.step.pairs.contacts.push_back(contact);
-    return;
-  }
-  Contact& stored = island.step.pairs.contacts[it->second];
-  const ContactImpulse positionImpulse = stored.positionImpulse, velocityImpulse = stored.velocityImpulse;
-  const TickImpulse impulse = stored.impulse;
-  stored = contact;
-  stored.positionImpulse = positionImpulse, stored.velocityImpulse = velocityImpulse,
-  stored.impulse = impulse;
-}
-
-bool touchesKinematic(const IslandPair& m) { return m.surfaces->held && isMoved(*m.surfaces->held); }
-
-/// Lists the candidates that are searched again, and their bodies.
-void listSearched(Island& island) {
-  island.searched.clear();
-  island.moved.clear();
-  for (std::uint32_t number = 0; number < island.candidates.size(); ++number) {
-    const IslandPair& m = island.candidates[number];
-    if (!m.needsNewSearch()) continue;
-    island.searched.push_back(number);
-    island.moved.push_back(m.a);
-    if (m.surfaces->other) island.moved.push_back(m.b);
-  }
-  std::sort(island.moved.begin(), island.moved.end());
-  island.moved.erase(std::unique(island.moved.begin(), island.moved.end()), island.moved.end());
-  if (island.inStep.size() < island.searched.size()) island.inStep.resize(island.searched.size());
-}
-
-/// Returns side b if it is rigid and dynamic, else nullptr.
-const RigidState* rigidOf(const IslandPair& m, const SolverIsland& group) {
-  return m.surfaces->other || m.surfaces->held ? nullptr : &group.links.rigids[m.b];
-}
-
-/// Stores the contacts that a search has found for a candidate.
-void storeFound(Island& island, std::uint32_t number, const TickContacts& found, ContactsInStep& inStep) {
-  const IslandPair& m = island.candidates[number];
-  collectOldContacts(island, number, found);
-  for (std::size_t i = 0; i < inStep.contacts.size(); ++i) {
-    Contact& contact = inStep.contacts[i];
-    contact.a.body = m.a;
-    contact.b.body = m.b;
-    storeContact(island, number, contact, inStep.sources[i]);
-  }
-}
-
-void searchInStep(void* context, SolverIsland& group, Team& team, double since, double ahead) {
-  const SearchContext& c = *static_cast<SearchContext*>(context);
-  Island& island = *c.island;
-  const TimeInStep time{since, ahead, c.found->tick};
-  // islands share the parts of kinematic objects, which are moved to the time of the search
-  std::unique_lock<std::mutex> lock(*c.lock, std::defer_lock);
-  if (std::any_of(island.candidates.begin(), island.candidates.end(), touchesKinematic)) lock.lock();
-  listSearched(island);
-  const auto searched = static_cast<std::uint32_t>(island.searched.size());
-  team.forEach(static_cast<std::uint32_t>(island.moved.size()), [&](std::uint32_t i) {
-    moveInStep(*island.softBodies[island.moved[i]], group.links.views[island.moved[i]], time);
-  });
-  const auto pairAt = [&](std::uint32_t i) -> const IslandPair& {
-    return island.candidates[island.searched[i]];
-  };
-  for (std::uint32_t i = 0; i < searched; ++i)
-    movePartInStep(*pairAt(i).surfaces, rigidOf(pairAt(i), group), time);
-  team.forEach((searched + kCandidatesPerTask - 1) / kCandidatesPerTask, [&](std::uint32_t block) {
-    c.searches->with([&](SurfaceSearch& search) {
-      const std::uint32_t end = std::min((block + 1) * kCandidatesPerTask, searched);
-      for (std::uint32_t i = block * kCandidatesPerTask; i < end; ++i)
-        findContactsInStep(*pairAt(i).surfaces, rigidOf(pairAt(i), group), time, search, island.inStep[i]);
-    });
-  });
-  for (std::uint32_t i = 0; i < searched; ++i)
-    storeFound(island, island.searched[i], *c.found, island.inStep[i]);
-}
-
-/// The largest relative displacements, as multiples of the size of features.
-struct MaxDisplacements {
-  double all = 0.0;
-  double ofContacts = 0.0;  ///< of candidates with contacts: the others do not affect the substeps
-};
-
-MaxDisplacements maxDisplacements(const Island& island) {
-  MaxDisplacements largest;
-  for (const IslandPair& m : island.candidates) {
-    largest.all = std::max(largest.all, m.displacement);
-    if (m.surfaces->end > m.surfaces->first)
-      largest.ofContacts = std::max(largest.ofContacts, m.displacement);
-  }
-  return largest;
-}
-
-/// Returns at most the maximum of any group.
-int substepsFor(const Island& island, double displacement) {
-  int substeps = static_cast<int>(std::ceil(std::min(displacement / kMaxInSubstep, kManySubsteps)));
-  for (const LinkedGroup* group : island.groups)
-    if (group->stepping.maxSubsteps > 0) substeps = std::min(substeps, group->stepping.maxSubsteps);
-  return substeps;
-}
+// --- contacts and impulses of the step ---------------------------------------------------------------------
 
 /// Adds contacts found within the tick to `found`, so that they are reported and stored.
 void reportLateContacts(Island& island, TickContacts& found) {
@@ -377,15 +238,7 @@ void stepIsland(Island& island, const TickContacts& found, double tick, ScratchP
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&island, &found, &searches, &lock};
-  island.step.again = PairSearch();
-  if (const MaxDisplacements displacement = maxDisplacements(island);
-      displacement.all > kMaxBetweenSearches) {
-    if (displacement.ofContacts > kMaxBetweenSearches)
-      substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
-    const double wanted = std::min(displacement.all / kMaxBetweenSearches,
-                                   std::max(kManySearches, displacement.all / kMaxInSubstep));
-    island.step.again = {std::max(1, static_cast<int>(substeps / wanted)), &context, searchInStep};
-  }
+  substeps = planSearches(context, substeps);
   for (LinkedGroup* group : island.groups) group->substeps = substeps;
   scaleWarmStart(island.step.pairs, substeps);
   island.step.pairs.tolerance = speedTolerance(island.step, tick);

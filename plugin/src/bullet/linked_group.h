@@ -177,6 +177,12 @@ class StepPlan {
 
 // --- islands -----------------------------------------------------------------------------------------------
 
+/// The velocity of a surface.
+struct SurfaceMotion {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< m/s
+  double spread = 0.0;                             ///< m/s, largest departure of a point from it
+};
+
 /// A pair of members of an island whose surfaces touch or may touch.
 struct IslandPair {
   const SurfaceCandidate* surfaces = nullptr;
@@ -185,6 +191,14 @@ struct IslandPair {
 
   /// Whether the surfaces move too far in the tick for their contacts to remain valid.
   bool needsNewSearch() const { return displacement > kMaxBetweenSearches; }
+
+  SurfaceMotion held;  ///< of side b, if it is static or kinematic
+
+  // Written by planSearches() and the searches within the step.
+  SurfaceMotion known;       ///< of side a relative to side b at the last search
+  double moved = 0.0;        ///< since the last search, as a share of the motion after which one is due
+  double moving = 0.0;       ///< until the next round of searches, likewise
+  std::uint32_t period = 0;  ///< rounds until the next search, a power of 2; 0: it is not due now
 };
 
 /// A contact found during the step.
@@ -207,7 +221,8 @@ struct Island {
   std::vector<IslandPair> candidates;
   std::vector<LateContact> late;                                     ///< of the last step.pairs.contacts
   std::vector<std::pair<std::uint64_t, std::uint32_t>> oldContacts;  ///< scratch: of one pair, sorted by key
-  std::vector<std::uint32_t> searched;  ///< numbers of the candidates that are searched again in the step
+  std::vector<SurfaceMotion> motions;   ///< #softBodies, scratch of a search in the step
+  std::vector<std::uint32_t> searched;  ///< numbers of the candidates that it searches
   std::vector<std::uint32_t> moved;     ///< numbers of their soft bodies
   std::vector<ContactsInStep> inStep;   ///< #searched or more
 };
@@ -240,6 +255,22 @@ void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, 
 
 /// Sets SoftBodyData::island of bodies that are stepped together to their smallest index.
 void numberIsland(const std::vector<SoftBodyData*>& bodies);
+
+/// What a search within the step of an island uses.
+struct SearchContext {
+  Island* island;
+  const TickContacts* found;
+  ScratchPool<SurfaceSearch>* searches;
+  std::mutex* lock;  ///< see stepIslands()
+};
+
+/// Returns the motion of a static or kinematic part in a tick, at whose start it is.
+SurfaceMotion heldMotion(const RigidPart& part, double tick);
+
+/// Decides how often the contacts of an island are searched for within its step, and sets island.step.again,
+/// which uses `context`. Returns the number of substeps: `substeps`, or more if surfaces that touch would
+/// move too far in one of them.
+int planSearches(SearchContext& context, int substeps);
 
 /// Steps the islands by velocity Verlet, each with the largest number of substeps that one of its groups
 /// needs. Contacts of surfaces with a large relative displacement are searched for again during the tick. The

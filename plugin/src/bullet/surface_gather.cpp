@@ -166,10 +166,6 @@ double margin(const SurfaceCandidate& m) {
   return kMargin * (m.other ? std::min(radius, m.other->surface.moving.radius) : radius);
 }
 
-double smallerFeatures(const SurfaceCandidate& m) {
-  return std::min(featureSize(m.body->surface.moving), featureSize(surfaceB(m)));
-}
-
 double longestDisplacement(const Points& motion, const Vector3d& common) {
   return std::sqrt((motion.colwise() - common).colwise().squaredNorm().maxCoeff());
 }
@@ -374,8 +370,14 @@ double ownDisplacement(const SurfaceCandidate& m) {
 
 }  // namespace
 
+double featureSizeOf(const SurfaceCandidate& m) {
+  return std::min(featureSize(m.body->surface.moving), featureSize(surfaceB(m)));
+}
+
+double radiusSumOf(const SurfaceCandidate& m) { return m.body->surface.moving.radius + surfaceB(m).radius; }
+
 double displacementOf(const SurfaceCandidate& m) {
-  const double features = smallerFeatures(m), radii = m.body->surface.moving.radius + surfaceB(m).radius;
+  const double features = featureSizeOf(m), radii = radiusSumOf(m);
   return ownDisplacement(m) / features + m.stopped / std::min(features, radii / kMaxBetweenSearches);
 }
 
@@ -385,7 +387,7 @@ bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   const MovingSurface& a = boxedSurface(*m.body, tick);
   if (m.other) boxedSurface(*m.other, tick);
   // overlaps of the radii alone are found in the next tick
-  const double radii = m.stopped > 0.0 ? m.body->surface.moving.radius + surfaceB(m).radius : 0.0;
+  const double radii = m.stopped > 0.0 ? radiusSumOf(m) : 0.0;
   const double extraMargin = ownDisplacement(m) + m.stopped - radii;
   if (isSelf(m)) {
     findSelfContacts(a, margin(m), s.search, s.contacts, extraMargin);

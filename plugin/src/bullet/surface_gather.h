@@ -104,6 +104,10 @@ constexpr double kMaxBetweenSearches = 0.05;
 /// must be found before they are through one another.
 double displacementOf(const SurfaceCandidate& candidate);
 
+/// Returns the size (m) of the smaller features of the two surfaces, and the sum (m) of their radii.
+double featureSizeOf(const SurfaceCandidate& candidate);
+double radiusSumOf(const SurfaceCandidate& candidate);
+
 /// Returns whether hits and springs may cause contacts within the tick that were not predicted, and whether
 /// these are to be found.
 bool mayTouch(const SurfaceCandidate& candidate, double tick, SurfaceSearch& search);

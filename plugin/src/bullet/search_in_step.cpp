@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Zlib
+
+// This file searches for contacts within the step of an island: in rounds between its substeps, in which each
+// pair of surfaces takes part that has moved far enough since its last search.
+
+#include "bullet/kinematic_motion.h"
+#include "bullet/linked_group.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+// --- the contacts of a pair --------------------------------------------------------------------------------
+
+/// Collects the contacts of a candidate and marks them as ended until the search finds them again.
+void collectOldContacts(Island& island, std::uint32_t number, const TickContacts& found) {
+  const SurfaceCandidate& m = *island.candidates[number].surfaces;
+  island.oldContacts.clear();
+  const auto begin = island.contacts.begin();
+  for (auto it = std::lower_bound(begin, island.contacts.end(), m.first);
+       it != island.contacts.end() && *it < m.end; ++it)
+    island.oldContacts.emplace_back(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
+  const std::size_t first = island.contacts.size() + island.rows.size();
+  for (std::size_t i = 0; i < island.late.size(); ++i)
+    if (island.late[i].candidate == number)
+      island.oldContacts.emplace_back(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
+  std::sort(island.oldContacts.begin(), island.oldContacts.end());
+  for (const auto& [key, i] : island.oldContacts) island.step.pairs.contacts[i].ended = true;
+}
+
+void storeContact(Island& island, std::uint32_t candidate, const Contact& contact,
+                  const ContactSource& source) {
+  const auto it = std::lower_bound(island.oldContacts.begin(), island.oldContacts.end(),
+                                   std::pair(source.key, std::uint32_t{0}));
+  if (it == island.oldContacts.end() || it->first != source.key) {
+    island.late.push_back({candidate, source});
+    island.step.pairs.contacts.push_back(contact);
+    return;
+  }
+  Contact& stored = island.step.pairs.contacts[it->second];
+  const ContactImpulse positionImpulse = stored.positionImpulse, velocityImpulse = stored.velocityImpulse;
+  const TickImpulse impulse = stored.impulse;
+  stored = contact;
+  stored.positionImpulse = positionImpulse, stored.velocityImpulse = velocityImpulse,
+  stored.impulse = impulse;
+}
+
+/// Stores the contacts that a search has found for a candidate.
+void storeFound(Island& island, std::uint32_t number, const TickContacts& found, ContactsInStep& inStep) {
+  const IslandPair& m = island.candidates[number];
+  collectOldContacts(island, number, found);
+  for (std::size_t i = 0; i < inStep.contacts.size(); ++i) {
+    Contact& contact = inStep.contacts[i];
+    contact.a.body = m.a;
+    contact.b.body = m.b;
+    storeContact(island, number, contact, inStep.sources[i]);
+  }
+}
+
+// --- which pairs are due -----------------------------------------------------------------------------------
+
+/// Fraction of the size of a surface's features: the largest relative displacement of surfaces in one
+/// substep.
+constexpr double kMaxInSubstep = 0.1;
+
+/// Numbers of searches and substeps that fine meshes may need even if their features move past each other
+/// quickly.
+constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
+
+/// Returns the number of searches in a tick for surfaces with this displacement (of features).
+double searchesFor(double displacement) {
+  return std::min(displacement / kMaxBetweenSearches, std::max(kManySearches, displacement / kMaxInSubstep));
+}
+
+/// Longest time between two searches of a pair that moves, in rounds.
+constexpr std::uint32_t kLongestPeriod = 16;
+
+/// Returns the motion of `count` points of which velocityOf(i) is a velocity.
+template <class VelocityOf>
+SurfaceMotion motionOf(Eigen::Index count, VelocityOf velocityOf) {
+  SurfaceMotion motion;
+  for (Eigen::Index i = 0; i < count; ++i) motion.mean += velocityOf(i);
+  motion.mean /= static_cast<double>(count);
+  double squared = 0.0;
+  for (Eigen::Index i = 0; i < count; ++i)
+    squared = std::max(squared, (velocityOf(i) - motion.mean).squaredNorm());
+  motion.spread = std::sqrt(squared);
+  return motion;
+}
+
+SurfaceMotion motionOf(const PointView& points, Eigen::Index count) {
+  return motionOf(count, [&](Eigen::Index i) -> Eigen::Vector3d {
+    return points.velocityOf(static_cast<std::uint32_t>(i));
+  });
+}
+
+/// Of the surface of a body that rotates about its centre of mass.
+SurfaceMotion motionOf(const RigidState& rigid, const btRigidBody& body) {
+  return {rigid.velocity,
+          rigid.angularVelocity.norm() * double(body.getCollisionShape()->getAngularMotionDisc())};
+}
+
+SurfaceMotion motionOfB(const IslandPair& m, const Island& island) {
+  if (m.surfaces->other) return island.motions[m.b];
+  if (m.surfaces->held) return m.held;
+  return motionOf(island.step.links.rigids[m.b], *m.surfaces->partner);
+}
+
+/// Returns the present motion of side a relative to side b.
+SurfaceMotion relativeMotion(const IslandPair& m, const Island& island) {
+  const SurfaceMotion &a = island.motions[m.a], b = motionOfB(m, island);
+  return {a.mean - b.mean, a.spread + b.spread};
+}
+
+/// Returns a motion in `time` s as a share of that after which a search is due. A search finds the contacts of
+/// the motion at its time. Of the motion that hits have added since, the sum of the radii counts as a whole
+/// share: the surfaces must be found before they are through one another.
+double shareOf(const IslandPair& m, const SurfaceMotion& motion, double time, double tick) {
+  const double speed = motion.mean.norm() + motion.spread;
+  const double added =
+      (motion.mean - m.known.mean).norm() + std::max(0.0, motion.spread - m.known.spread);
+  return searchesFor(tick * speed / featureSizeOf(*m.surfaces)) * time / tick +
+         added * time / radiusSumOf(*m.surfaces);
+}
+
+/// Sets the periods of the pairs that would move too far until the next round, `ahead` s from now, and 0 for
+/// all others. Returns the longest period.
+std::uint32_t findDue(Island& island, double ahead, double tick) {
+  std::uint32_t longest = 0;
+  for (IslandPair& m : island.candidates) {
+    m.period = 0;
+    if (!m.needsNewSearch()) continue;
+    m.moved += m.moving;
+    const SurfaceMotion motion = relativeMotion(m, island);
+    m.moving = shareOf(m, motion, ahead, tick);
+    if (m.moved + m.moving <= 1.0) continue;
+    m.known = motion;
+    m.moved = 0.0;
+    m.moving = shareOf(m, motion, ahead, tick);
+    for (m.period = 1; m.period < kLongestPeriod && 2.0 * m.period * m.moving <= 1.0;) m.period *= 2;
+    longest = std::max(longest, m.period);
+  }
+  return longest;
+}
+
+void findMotions(Island& island, const std::vector<PointView>& views, Team& team) {
+  island.motions.resize(island.softBodies.size());
+  team.forEach(static_cast<std::uint32_t>(island.softBodies.size()), [&](std::uint32_t i) {
+    island.motions[i] = motionOf(views[i], island.step.bodies[i].points->position.cols());
+  });
+}
+
+// --- a round of searches -----------------------------------------------------------------------------------
+
+/// Candidates that one task searches.
+constexpr std::uint32_t kCandidatesPerTask = 8;
+
+bool touchesKinematic(const IslandPair& m) { return m.surfaces->held && isMoved(*m.surfaces->held); }
+
+/// Lists the candidates with this period, and their bodies.
+void listSearched(Island& island, std::uint32_t period) {
+  island.searched.clear();
+  island.moved.clear();
+  for (std::uint32_t number = 0; number < island.candidates.size(); ++number) {
+    const IslandPair& m = island.candidates[number];
+    if (m.period != period) continue;
+    island.searched.push_back(number);
+    island.moved.push_back(m.a);
+    if (m.surfaces->other) island.moved.push_back(m.b);
+  }
+  std::sort(island.moved.begin(), island.moved.end());
+  island.moved.erase(std::unique(island.moved.begin(), island.moved.end()), island.moved.end());
+  if (island.inStep.size() < island.searched.size()) island.inStep.resize(island.searched.size());
+}
+
+/// Returns side b if it is rigid and dynamic, else nullptr.
+const RigidState* rigidOf(const IslandPair& m, const SolverIsland& group) {
+  return m.surfaces->other || m.surfaces->held ? nullptr : &group.links.rigids[m.b];
+}
+
+/// Searches the candidates of a period for the contacts until their next search.
+void searchPeriod(const SearchContext& c, SolverIsland& group, Team& team, std::uint32_t period,
+                  const TimeInStep& time) {
+  Island& island = *c.island;
+  listSearched(island, period);
+  const auto searched = static_cast<std::uint32_t>(island.searched.size());
+  team.forEach(static_cast<std::uint32_t>(island.moved.size()), [&](std::uint32_t i) {
+    moveInStep(*island.softBodies[island.moved[i]], group.links.views[island.moved[i]], time);
+  });
+  const auto pairAt = [&](std::uint32_t i) -> const IslandPair& {
+    return island.candidates[island.searched[i]];
+  };
+  for (std::uint32_t i = 0; i < searched; ++i)
+    movePartInStep(*pairAt(i).surfaces, rigidOf(pairAt(i), group), time);
+  team.forEach((searched + kCandidatesPerTask - 1) / kCandidatesPerTask, [&](std::uint32_t block) {
+    c.searches->with([&](SurfaceSearch& search) {
+      const std::uint32_t end = std::min((block + 1) * kCandidatesPerTask, searched);
+      for (std::uint32_t i = block * kCandidatesPerTask; i < end; ++i)
+        findContactsInStep(*pairAt(i).surfaces, rigidOf(pairAt(i), group), time, search, island.inStep[i]);
+    });
+  });
+  for (std::uint32_t i = 0; i < searched; ++i)
+    storeFound(island, island.searched[i], *c.found, island.inStep[i]);
+}
+
+void searchInStep(void* context, SolverIsland& group, Team& team, double since, double ahead) {
+  const SearchContext& c = *static_cast<SearchContext*>(context);
+  Island& island = *c.island;
+  // islands share the parts of kinematic objects, which are moved to the time of the search
+  std::unique_lock<std::mutex> lock(*c.lock, std::defer_lock);
+  if (std::any_of(island.candidates.begin(), island.candidates.end(), touchesKinematic)) lock.lock();
+  const double tick = c.found->tick;
+  findMotions(island, group.links.views, team);
+  const std::uint32_t longest = findDue(island, ahead, tick);
+  for (std::uint32_t period = 1; period <= longest; period *= 2)
+    searchPeriod(c, group, team, period, {since, std::min(period * ahead, tick - since), tick});
+}
+
+// --- the plan ----------------------------------------------------------------------------------------------
+
+/// The largest relative displacements, as multiples of the size of features.
+struct MaxDisplacements {
+  double all = 0.0;
+  double ofContacts = 0.0;  ///< of candidates with contacts: the others do not affect the substeps
+};
+
+MaxDisplacements maxDisplacements(const Island& island) {
+  MaxDisplacements largest;
+  for (const IslandPair& m : island.candidates) {
+    largest.all = std::max(largest.all, m.displacement);
+    if (m.surfaces->end > m.surfaces->first)
+      largest.ofContacts = std::max(largest.ofContacts, m.displacement);
+  }
+  return largest;
+}
+
+/// Returns at most the maximum of any group.
+int substepsFor(const Island& island, double displacement) {
+  int substeps = static_cast<int>(std::ceil(std::min(displacement / kMaxInSubstep, kManySubsteps)));
+  for (const LinkedGroup* group : island.groups)
+    if (group->stepping.maxSubsteps > 0) substeps = std::min(substeps, group->stepping.maxSubsteps);
+  return substeps;
+}
+
+/// All contacts have been searched for at the start of the step.
+void startRounds(Island& island, double ahead, double tick) {
+  for (IslandPair& m : island.candidates) {
+    if (!m.needsNewSearch()) continue;
+    m.known = relativeMotion(m, island);
+    m.moved = 0.0;
+    m.moving = shareOf(m, m.known, ahead, tick);
+  }
+}
+
+}  // namespace
+
+SurfaceMotion heldMotion(const RigidPart& part, double tick) {
+  return motionOf(part.motion.cols(),
+                  [&](Eigen::Index i) -> Eigen::Vector3d { return part.motion.col(i) / tick; });
+}
+
+int planSearches(SearchContext& context, int substeps) {
+  Island& island = *context.island;
+  island.step.again = PairSearch();
+  const MaxDisplacements displacement = maxDisplacements(island);
+  if (!(displacement.all > kMaxBetweenSearches)) return substeps;
+  if (displacement.ofContacts > kMaxBetweenSearches)
+    substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
+  const int every = std::max(1, static_cast<int>(substeps / searchesFor(displacement.all)));
+  island.step.again = {every, &context, searchInStep};
+  const double tick = context.found->tick;
+  island.motions.clear();
+  for (const SolverBody& body : island.step.bodies)
+    island.motions.push_back(motionOf(viewOf(*body.points), body.points->position.cols()));
+  startRounds(island, tick * every / substeps, tick);
+  return substeps;
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
