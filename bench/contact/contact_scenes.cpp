@@ -228,6 +228,15 @@ ContactScene pileScene(bool quick) {
   return scene;
 }
 
+/// The same pile while its bodies hit each other.
+ContactScene landingPileScene(bool quick) {
+  ContactScene scene = pileScene(quick);
+  scene.name = "landing " + scene.name;
+  scene.settleTicks = quick ? 20 : 40;
+  scene.measuredTicks = quick ? 20 : 80;
+  return scene;
+}
+
 }  // namespace
 
 std::vector<ContactScene> allContactScenes(bool quick) {
@@ -241,6 +250,7 @@ std::vector<ContactScene> allContactScenes(bool quick) {
   scenes.push_back(clothScene(quick, "soft cloth of ", 5.0));
   scenes.push_back(clothScene(quick, "stiff cloth of ", 5e4));
   scenes.push_back(denseScene(quick));
+  scenes.push_back(landingPileScene(quick));
   scenes.push_back(pileScene(quick));
   return scenes;
 }
