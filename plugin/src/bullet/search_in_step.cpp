@@ -115,13 +115,12 @@ SurfaceMotion relativeMotion(const IslandPair& m, const Island& island) {
   return {a.mean - b.mean, a.spread + b.spread};
 }
 
-/// Returns a motion in `time` s as a share of that after which a search is due. A search finds the contacts of
-/// the motion at its time. Of the motion that hits have added since, the sum of the radii counts as a whole
-/// share: the surfaces must be found before they are through one another.
+/// Returns a motion in `time` s as a share of that after which a search is due. A search finds the contacts
+/// of the motion at its time. Of the motion that hits have added since, the sum of the radii counts as a
+/// whole share: the surfaces must be found before they are through one another.
 double shareOf(const IslandPair& m, const SurfaceMotion& motion, double time, double tick) {
   const double speed = motion.mean.norm() + motion.spread;
-  const double added =
-      (motion.mean - m.known.mean).norm() + std::max(0.0, motion.spread - m.known.spread);
+  const double added = (motion.mean - m.known.mean).norm() + std::max(0.0, motion.spread - m.known.spread);
   return searchesFor(tick * speed / featureSizeOf(*m.surfaces)) * time / tick +
          added * time / radiusSumOf(*m.surfaces);
 }
