@@ -2,7 +2,6 @@
 
 // This file steps an island, limits the energy that joints add, and writes the result to Bullet.
 
-#include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
