@@ -349,9 +349,9 @@ bool areParallel(const Vector3d& a, const Vector3d& b) {
   return a.cross(b).squaredNorm() <= kSine * kSine * a.squaredNorm() * b.squaredNorm();
 }
 
-/// Whether the edges stay farther apart than `distance` (m) along the normal of both at the start.
-bool stayApart(const MovingFeature<2>& a, const MovingFeature<2>& b, double distance) {
-  const Vector3d normal = edgeVector(a, 0.0).cross(edgeVector(b, 0.0));
+/// Whether the edges stay farther apart than `distance` (m) along `normal`, of any length.
+bool stayApart(const MovingFeature<2>& a, const MovingFeature<2>& b, const Vector3d& normal,
+               double distance) {
   const double start = normal.dot(b.start.col(0) - a.start.col(0)), side = start < 0.0 ? -1.0 : 1.0;
   const Eigen::RowVector2d motionA = side * normal.transpose() * a.motion,
                            motionB = side * normal.transpose() * b.motion;
@@ -469,8 +469,9 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
 void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
   const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
-  if (areParallel(edgeVector(a, 0.0), edgeVector(b, 0.0))) return;
-  if (stayApart(a, b, pair.radiusSum() + pair.margin)) return;
+  const Vector3d startA = edgeVector(a, 0.0), startB = edgeVector(b, 0.0);
+  if (areParallel(startA, startB)) return;
+  if (stayApart(a, b, startA.cross(startB), pair.radiusSum() + pair.margin)) return;
   const auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever || nearest.a.minCoeff() <= 0.0 || nearest.b.minCoeff() <= 0.0) return;
   const Vector3d alongA = edgeVector(a, nearest.time), alongB = edgeVector(b, nearest.time);
