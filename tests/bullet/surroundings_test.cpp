@@ -55,6 +55,14 @@ struct SurroundingsTest : testing::Test {
 double heightOf(const SoftBody& body) { return body.centerOfMass().y(); }
 double fallOf(const SoftBody& body) { return -body.linearMomentum().y() / body.totalMass(); }
 
+/// m^3
+double enclosedVolume(const SoftBody& body) {
+  double volume = 0.0;
+  for (const Triangle& t : body.network().surface)
+    volume += body.position(t[0]).dot(body.position(t[1]).cross(body.position(t[2]))) / 6.0;
+  return volume;
+}
+
 SharedNetwork solidOf(const TriangleMesh& mesh) { return *buildNetwork(mesh); }
 
 SoftBodySettings stiffSolid(double mass) {
@@ -399,6 +407,49 @@ TEST_F(SurroundingsTest, undampedLightSolidsGainNoEnergyOnWater) {
           << mass << " kg, tick " << i;
     }
     ASSERT_TRUE(system.destroyBody(cube));
+  }
+}
+
+// Springs far weaker than the water's pressure: it would turn the ball inside out.
+TEST_F(SurroundingsTest, verySoftBodiesFloatInTheirShape) {
+  setWater(0.0);
+  const SharedNetwork ball = solidOf(small_meshes::icosphere(1));
+  for (const double tick : {1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0})
+    for (const double stiffness : {30.0, 300.0, 1000.0}) {
+      SoftBodySettings s = usualSettings();
+      s.extensionStiffness = s.compressionStiffness = stiffness;
+      s.totalMass = 100.0;
+      s.scale.setConstant(0.5);
+      SoftBody* floating = add(ball, s);
+      const double rest = enclosedVolume(*floating);
+      for (int i = 0; i * tick < 20.0; ++i) {
+        bullet.tick(tick);
+        ASSERT_LT(2.0 * floating->kineticEnergy() / s.totalMass, 2.0) << stiffness << " N/m, tick " << tick;
+        ASSERT_NEAR(enclosedVolume(*floating) / rest, 1.0, 0.2) << stiffness << " N/m, tick " << tick;
+      }
+      EXPECT_LT(floating->kineticEnergy(), 1e-3) << stiffness << " N/m, tick " << tick;
+      ASSERT_TRUE(system.destroyBody(floating));
+    }
+}
+
+// The energy of the water's forces belongs to a rigid shape, which this body only follows.
+TEST_F(SurroundingsTest, undampedVerySoftBodiesGainNoEnergyOnWater) {
+  setWater(0.0);
+  const double mass = 300.0, draught = 0.3, rise = 0.03;
+  SoftBodySettings s = usualSettings();
+  s.extensionStiffness = s.compressionStiffness = 100.0;
+  s.damping = 0.0;
+  s.flow.drag = s.flow.linearDrag = 0.0;
+  s.totalMass = mass;
+  s.sleepingSpeed = 0.0;
+  s.position = {0, 0.5 - draught + rise, 0};
+  SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+  for (int i = 0; i < 3000; ++i) {
+    bullet.tick();
+    const double up = heightOf(*cube) - (0.5 - draught);
+    ASSERT_LT(cube->kineticEnergy() + cube->elasticEnergy() + 0.5 * 1000.0 * kGravity * up * up,
+              1.2 * 0.5 * 1000.0 * kGravity * rise * rise)
+        << i;
   }
 }
 

@@ -64,10 +64,11 @@ void report(const Options& options, const Story& story, const Verdict& verdict) 
 
 int runSeeds(const Options& options, const std::vector<std::uint64_t>& seeds) {
   std::size_t failures = 0;
-  // in batches, because stories take memory
-  for (std::size_t begin = 0; begin < seeds.size(); begin += 64) {
+  // in batches, because stories take memory; large ones, because the slowest story of each is waited for
+  const std::size_t batch = 256 * static_cast<std::size_t>(std::max(1, options.effort.jobs));
+  for (std::size_t begin = 0; begin < seeds.size(); begin += batch) {
     std::vector<Story> stories;
-    for (std::size_t i = begin; i < std::min(seeds.size(), begin + 64); ++i)
+    for (std::size_t i = begin; i < std::min(seeds.size(), begin + batch); ++i)
       stories.push_back(makeStory(seeds[i]));
     std::vector<std::pair<std::size_t, Verdict>> failed;
     judge(stories, options.effort, [&](std::size_t i, const Verdict& verdict) {

@@ -84,7 +84,7 @@ BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settin
   model.springs = makeSprings(*network, settings);
   model.volumes = makeVolumes(*network, settings);
   model.tetrahedra = makeTetrahedronVolumes(*network, settings);
-  model.parts = wettedParts(*network, settings.scale);
+  model.parts = wettedParts(*network, settings, *model.springs.original);
   const Points rest = scaledRest(*network, settings.scale);
   if (settings.collision == Collision::Surface)
     if (auto topology = makeSurfaceTopology(rest, featuresOf(*network, settings)))

@@ -5,12 +5,14 @@
 #include "bullet/body_medium.h"
 
 #include "bullet/soft_body_data.h"
+#include "bullet/surface_body.h"
 
 #include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -136,20 +138,23 @@ struct Lift {
   Vector3d rotation = Vector3d::Zero();  ///< rad/s^2, by the torque
 };
 
-Lift liftOf(const PointState& s, const Points& force) {
+/// `places` (3 x #points, m): where the forces act.
+Lift liftOf(const PointState& s, const Points& places, const Points& force) {
   Lift lift;
+  Vector3d middle = Vector3d::Zero();
   for (Eigen::Index i = 0; i < force.cols(); ++i) {
     const double own = massOf(s.inverseMass, i);
     lift.mass += own, lift.center += own * s.position.col(i), lift.sum += force.col(i);
+    middle += own * places.col(i);
     if (!force.col(i).isZero(0.0)) lift.wetMass += own;
   }
   if (!(lift.mass > 0.0)) return lift;
-  lift.center /= lift.mass;
+  lift.center /= lift.mass, middle /= lift.mass;
   Vector3d torque = Vector3d::Zero();
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (Eigen::Index i = 0; i < force.cols(); ++i) {
     const Vector3d r = s.position.col(i) - lift.center;
-    torque += r.cross(Vector3d(force.col(i)));
+    torque += Vector3d(places.col(i) - middle).cross(Vector3d(force.col(i)));
     inertia += massOf(s.inverseMass, i) *
                (r.squaredNorm() * Eigen::Matrix3d::Identity() - Eigen::Matrix3d(r * r.transpose()));
   }
@@ -167,29 +172,63 @@ double localShare(const Lift& lift, const WaterPlane& plane, double tick) {
   return std::clamp((kMaxLocalPhase - phase) / (0.5 * kMaxLocalPhase), 0.0, 1.0);
 }
 
+/// Strain of a submerged body by the water's pressure: up to the first the pressure acts on each triangle,
+/// from the second on on the body as a whole.
+constexpr double kHeldStrain = 0.15, kCrushingStrain = 0.4;
+
+/// Returns the share of the water's forces that act where the pressure is on a body whose springs must hold
+/// the difference of the pressure between its top and its bottom. A softer one would be turned inside out:
+/// what is real and as soft is filled with something that hardly changes its volume. The share depends on
+/// nothing that moves, so that the forces keep a potential.
+double heldShare(const WettedParts& parts, const WaterPlane& plane) {
+  const double strain = plane.weight * std::cbrt(parts.volume) / parts.modulus;
+  return std::clamp((kCrushingStrain - strain) / (kCrushingStrain - kHeldStrain), 0.0, 1.0);
+}
+
+/// Sets `places` to the rest shape as it moves with the body, in the middle of the tick.
+void placeRestShape(SoftBodyData& body, const Points& predicted, double tick, Points& places) {
+  const RestShape& rest = body.model->rest;
+  const Vector3d spin = 0.5 * tick * fitRigid(body).spin;
+  const double angle = spin.norm();
+  Eigen::Matrix3d turn = followRotation(body).toRotationMatrix();
+  if (angle > 0.0) turn = Eigen::AngleAxisd(angle, spin / angle) * turn;
+  places.resize(3, predicted.cols());
+  Vector3d center = Vector3d::Zero(), restCenter = Vector3d::Zero();
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const double fraction = rest.fractions[static_cast<std::size_t>(i)];
+    center += fraction * predicted.col(i);
+    restCenter += rest.weighted.col(i);
+    places.col(i) = rest.weighted.col(i) / fraction;
+  }
+  for (Eigen::Index i = 0; i < places.cols(); ++i)
+    places.col(i) = center + turn * (places.col(i) - restCenter);
+}
+
 /// How a body bobs in a tick.
 struct Bobbing {
   double area = 0.0;   ///< m^2, of the plane inside the body
   double phase = 0.0;  ///< its square, with the inertia below
   double local = 1.0;  ///< see localShare()
+  double held = 1.0;   ///< see heldShare()
   double own = 1.0;    ///< the share of the body's mass in the inertia of both
 };
 
-/// Makes the forces on a light body act as a whole, with the same sum and torque, as far as they must not act
-/// locally. With the phase p of bobbing and the places that buoy() drops,
-///   (1 + p^2 / 4) F = F(x + v tick / 2 - g tick^2 / 4),
-/// which is the implicit midpoint rule, stable for any mass.
+/// Makes the forces on a light or very soft body act as a whole, with the same sum and torque, as far as they
+/// must not act locally. With the phase p of bobbing and the places that buoy() drops,
+///   (1 + p^2 / 4) F = F(x + v tick / 2 - g tick^2 / 4)
+/// for light ones, which is the implicit midpoint rule, stable for any mass.
 void steadyForces(const SoftBodyData& body, const Lift& lift, const WaterPlane& plane, double tick,
                   Points& force, Bobbing& bobbing) {
   const PointState& s = body.state;
   const double gravity = plane.weight / body.surroundings->water->density, steady = 1.0 - bobbing.local;
   const double phase = bobbing.own * bobbingPhase(plane, bobbing.area, lift.mass, tick);
   const double implicit = 1.0 / (1.0 + 0.25 * steady * phase);
+  const double local = std::min(bobbing.local, bobbing.held);
   for (Eigen::Index i = 0; i < force.cols(); ++i) {
     const double mass = massOf(s.inverseMass, i);
     const Vector3d rigid =
         lift.sum / lift.mass + lift.rotation.cross(Vector3d(s.position.col(i) - lift.center));
-    const Vector3d whole = implicit * (bobbing.local * force.col(i) + steady * mass * rigid);
+    const Vector3d whole = implicit * (local * force.col(i) + (1.0 - local) * mass * rigid);
     force.col(i) = bobbing.own * whole + (1.0 - bobbing.own) * mass * gravity * plane.up;
   }
   bobbing.own *= implicit;
@@ -209,22 +248,28 @@ Lift setBuoyancy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane
   medium.force.setZero();
   const double area =
       addBuoyancy(body.model->parts.closed, medium.predicted, planeAt(medium.predicted, plane), medium.force);
-  Lift lift = liftOf(body.state, medium.force);
+  Lift lift = liftOf(body.state, medium.predicted, medium.force);
   lift.area = area;
   return lift;
 }
 
-/// Sets the forces of the water on a closed body. A light body also has the inertia of the water that it
-/// pushes aside, half the displaced mass, as for a sphere. It falls during the tick into what it would be
-/// above of otherwise.
+/// Sets the forces of the water on a closed body. A very soft one is lifted as its rest shape, as the work of
+/// forces on its deformations could not come from the water's level alone. A light body also has the inertia
+/// of the water that it pushes aside, half the displaced mass, as for a sphere. It falls during the tick into
+/// what it would be above of otherwise.
 Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
   Bobbing bobbing;
+  bobbing.held = heldShare(body.model->parts, plane);
+  if (bobbing.held < 1.0) {
+    placeRestShape(body, medium.predicted, tick, medium.velocity);
+    medium.predicted += (1.0 - bobbing.held) * (medium.velocity - medium.predicted);
+  }
   Lift lift = setBuoyancy(body, medium, plane);
   bobbing.area = lift.area;
   const bool above = !(lift.wetMass > 0.0);
   if (!above) bobbing.local = localShare(lift, plane, tick);
   const double steady = above ? 1.0 : 1.0 - bobbing.local;
-  if (steady == 0.0) return bobbing;
+  if (steady == 0.0 && bobbing.held == 1.0) return bobbing;
   const Vector3d gravity = toEigen(body.world->getGravity());
   if (!above) bobbing.own = lift.mass / (lift.mass + steady * 0.5 * lift.sum.norm() / gravity.norm());
   medium.predicted.colwise() += 0.25 * tick * tick * bobbing.own * steady * gravity;
@@ -258,12 +303,12 @@ Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane&
 }
 
 /// Returns the rate (1/s) at which bobbing is damped. A body that bobs too fast for a constant force over a
-/// tick creeps to its draught. The waves of a solid that is far lighter than the water around it take most of
-/// its energy within a period: it moves more water than itself.
+/// tick creeps to its draught. The waves of a solid that is far lighter than the water around it, or very
+/// soft, take most of its energy within a period: it moves more water than itself.
 double bobbingRate(const SoftBodyData& body, const Bobbing& bobbing, double tick) {
   if (bobbing.phase > 1.0) return bobbing.phase / tick;
   if (!isSolid(body) || body.settings.flow.linearDrag) return 0.0;
-  return (1.0 - bobbing.local) * std::sqrt(bobbing.phase) / tick;
+  return (1.0 - std::min(bobbing.local, bobbing.held)) * std::sqrt(bobbing.phase) / tick;
 }
 
 void dampBobbing(const SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double rate) {
@@ -316,10 +361,20 @@ BodyMedium& mediumOf(SoftBodyData& body) {
   return *body.medium;
 }
 
-WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& scale) {
+WettedParts wettedParts(const SpringNetwork& network, const SoftBodySettings& settings,
+                        const SpringConstants& springs) {
   WettedParts parts;
-  parts.closed = closedSurfaces(network, scaledRest(network, scale)).triangles;
-  if (!parts.closed.empty()) return parts;
+  const VolumeConstants closed = closedSurfaces(network, scaledRest(network, settings.scale));
+  parts.closed = closed.triangles;
+  if (!parts.closed.empty()) {
+    parts.volume = std::accumulate(closed.restVolume.begin(), closed.restVolume.end(), 0.0);
+    // of springs that fill it evenly: sum k L^2 / (6 V), see networkModulus(); gas stretches its skin
+    for (std::size_t i = 0; i < springs.restLength.size(); ++i)
+      parts.modulus += 0.5 * (springs.extensionStiffness[i] + springs.compressionStiffness[i]) *
+                       springs.restLength[i] * springs.restLength[i] / (6.0 * parts.volume);
+    parts.modulus += settings.pressure;
+    return parts;
+  }
   parts.sheets = network.surface;
   if (!parts.sheets.empty()) return parts;
   for (const NetworkSpring& spring : network.springs)

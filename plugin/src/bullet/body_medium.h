@@ -5,6 +5,7 @@
 #pragma once
 
 #include "solver/medium.h"
+#include "solver/springs.h"
 
 #include <limber/bullet_precision.h>
 #include <limber/soft_body_settings.h>
@@ -53,7 +54,8 @@ struct BodyMedium {
 BodyMedium& mediumOf(SoftBodyData& body);
 
 /// Returns the parts of a network that a flow acts on. Closed triangles face outward at this scale.
-WettedParts wettedParts(const SpringNetwork& network, const Eigen::Vector3d& scale);
+WettedParts wettedParts(const SpringNetwork& network, const SoftBodySettings& settings,
+                        const SpringConstants& springs);
 
 /// Adds the buoyancy to the accelerations of an awake body, at the start of a tick. Returns its drag in the
 /// tick, or nullptr if there is none.

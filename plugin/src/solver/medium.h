@@ -51,6 +51,8 @@ void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, dou
 
 /// The parts of a body that a flow acts on. All lists but one are empty.
 struct WettedParts {
+  double volume = 0.0;                                 ///< m^3, of a closed body
+  double modulus = 0.0;                                ///< Pa, its Young's modulus
   std::vector<Triangle> closed;                        ///< outward, of closed surfaces
   std::vector<Triangle> sheets;                        ///< of open ones
   std::vector<std::array<std::uint32_t, 2>> segments;  ///< of ropes
