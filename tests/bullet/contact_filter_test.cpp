@@ -205,6 +205,34 @@ TEST(ContactFilter, aSoftBodyCanGiveWayToAnother) {
   EXPECT_LT(speedOf(*left), 0.1);
 }
 
+// Each point would have another mass in each of its contacts, and their solution could grow without limit.
+TEST(ContactFilter, massFactorsDoNotMatterWithinABody) {
+  std::uint64_t hashes[2];
+  for (const bool differ : {false, true}) {
+    BulletWorld bullet;
+    bullet.addPlaneFloor();
+    SoftBodySystem system(*bullet.world);
+    system.setContactFilter([&](ContactCandidate& c) {
+      if (differ) c.massFactor = 5.0, c.otherMassFactor = 0.2;
+    });
+    RopeSettings r;
+    r.segments = 30;
+    SoftBodySettings s = test::testedSettings();
+    s.selfCollision = true;
+    s.position = {0, 0.1, 0};
+    s.rotation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());
+    SoftBody* rope = *system.createBody(*buildRope(r), s);
+    std::size_t selfContacts = 0;
+    for (int i = 0; i < 90; ++i) {
+      bullet.tick();
+      for (const SoftContact& c : rope->contacts()) selfContacts += c.otherBody == rope;
+    }
+    EXPECT_GT(selfContacts, 0u);
+    hashes[differ] = rope->stateHash();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
 // --- fast bodies -------------------------------------------------------------------------------------------
 
 TEST(ContactFilter, seesContactsThatAreFoundWithinTheTick) {

@@ -156,6 +156,21 @@ TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
   world.removeRigidBody(&floor);
 }
 
+TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* sensor = addSensedCube(system, 0.0);
+  sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  SoftBody* cube = addSensedCube(system, 0.8);
+  bullet.tick();
+  ASSERT_FALSE(cube->contacts().empty());
+  for (const SoftContact& c : cube->contacts()) {
+    EXPECT_EQ(c.otherBody, sensor);
+    EXPECT_NEAR(c.side.weights.sum(), 1.0, 1e-6);
+    EXPECT_NEAR(c.otherSide.weights.sum(), 1.0, 1e-6);
+  }
+}
+
 // --- the profile -------------------------------------------------------------------------------------------
 
 TEST(Profile, countsTheWorkOfTheTick) {

@@ -42,8 +42,8 @@ struct ContactCandidate {
   /// normal acts. Default 0.
   btVector3 surfaceVelocity = btVector3(0, 0, 0);
   /// Factors of the masses of `body` and `other` in this contact, 1e-6 to 1e6: a side with a larger factor is
-  /// pushed less. They do not matter on static and kinematic objects. Momentum is conserved only if they are
-  /// equal. Default 1.
+  /// pushed less. They do not matter on static and kinematic objects, nor between parts of one body. Momentum
+  /// is conserved only if they are equal. Default 1.
   double massFactor = 1.0, otherMassFactor = 1.0;
   /// One-sided contacts: the contact acts only while its normal has a component of 0 or more along this
   /// direction. On curved surfaces at rest the normal turns within the tick, and this follows it. Default 0:

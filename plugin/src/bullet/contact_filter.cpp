@@ -217,8 +217,10 @@ ContactResponse filterPair(Contact& contact, const ContactSource& source, const 
   ask(body, source.other, answer);
   contact.friction = answer.friction;
   contact.restitution = answer.restitution;
-  contact.a.massFactor = validMassFactor(answer.massFactor);
-  contact.b.massFactor = validMassFactor(answer.otherMassFactor);
+  if (source.other != source.body) {
+    contact.a.massFactor = validMassFactor(answer.massFactor);
+    contact.b.massFactor = validMassFactor(answer.otherMassFactor);
+  }
   contact.b.velocity += acrossOf(answer.surfaceVelocity, contact.normal);
   const bool acts = answer.response == ContactResponse::Act;
   return acts && !isFacing(contact.normal, answer.facing) ? ContactResponse::Ignore : answer.response;

@@ -145,21 +145,6 @@ void addSensed(const TickContacts& pairs, std::size_t i) {
 
 // --- contacts of points that Bullet's solver handled -------------------------------------------------------
 
-/// Returns the soft body that has the object as its surface or a point, and sets `side` to the contact's
-/// point on it.
-SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
-  if (const PointReference point = findPoint(object); point.body) {
-    side = pointSide(point.index);
-    return point.body;
-  }
-  if (const SurfaceHit hit = surfaceHit(object, index, position); hit.body) {
-    side.points = hit.points;
-    side.weights = hit.weights;
-    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
-  }
-  return findSurface(object).body;
-}
-
 /// Returns a contact as seen from the manifold's first object, or from its second.
 SoftContact readContact(const btPersistentManifold& manifold, int point, bool fromFirst) {
   const btManifoldPoint& p = manifold.getContactPoint(point);
@@ -334,6 +319,19 @@ void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vect
 }
 
 }  // namespace
+
+SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
+  if (const PointReference point = findPoint(object); point.body) {
+    side = pointSide(point.index);
+    return point.body;
+  }
+  if (const SurfaceHit hit = surfaceHit(object, index, position); hit.body) {
+    side.points = hit.points;
+    side.weights = hit.weights;
+    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
+  }
+  return findSurface(object).body;
+}
 
 void findTriangles(SoftContact& contact) {
   const Eigen::Vector3d normal = toEigen(contact.normal);

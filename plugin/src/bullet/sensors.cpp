@@ -5,6 +5,7 @@
 
 #include "bullet/sensors.h"
 
+#include "bullet/contact_report.h"
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
@@ -21,8 +22,8 @@ struct DeepestContact final : btCollisionWorld::ContactResultCallback {
   const btCollisionObject* partner;
   bool any = false;
   btScalar distance = 0;
-  btVector3 normal, position;  // m, on the soft body
-  int triangle = -1;           // of the soft body
+  btVector3 normal, position, partnerPosition;  // m, on the soft body; on the partner
+  int triangle = -1, partnerTriangle = -1;      // likewise
 
   btScalar addSingleResult(btManifoldPoint& p, const btCollisionObjectWrapper* first, int, int index0,
                            const btCollisionObjectWrapper*, int, int index1) override {
@@ -32,7 +33,9 @@ struct DeepestContact final : btCollisionWorld::ContactResultCallback {
     distance = p.getDistance();
     normal = isSecond ? -p.m_normalWorldOnB : p.m_normalWorldOnB;
     position = isSecond ? p.m_positionWorldOnB : p.m_positionWorldOnA;
+    partnerPosition = isSecond ? p.m_positionWorldOnA : p.m_positionWorldOnB;
     triangle = isSecond ? index1 : index0;
+    partnerTriangle = isSecond ? index0 : index1;
     return 0;
   }
 };
@@ -41,7 +44,7 @@ SoftContact contactOf(const SoftBodyData& body, const DeepestContact& hit) {
   SoftContact c;
   c.body = body.handle;
   c.other = hit.partner;
-  c.otherBody = findSurface(hit.partner).body;
+  c.otherBody = readSide(hit.partner, hit.partnerTriangle, hit.partnerPosition, c.otherSide);
   c.position = hit.position;
   c.normal = hit.normal;
   c.distance = double(hit.distance);
@@ -85,12 +88,9 @@ void addSurfaceOf(SoftBodyData& body, const ObjectHandle& partner) {
   if (!shape.isConvex() && !shape.isCompound()) return;
   const DeepestContact hit = deepestOf(body, *body.surface.object, *partner.object);
   if (!hit.any) return;
-  const SurfaceHit place = surfaceHit(body.surface.object, hit.triangle, hit.position);
-  if (!place.body) return;
   SoftContact c = contactOf(body, hit);
-  c.side.points = place.points;
-  c.side.weights = place.weights;
-  if (place.triangle < body.model->network->surface.size()) c.side.triangle = place.triangle;
+  readSide(body.surface.object, hit.triangle, hit.position, c.side);
+  if (c.side.weights.isZero(0.0)) return;
   addToReport(body, c, partner);
 }
 
