@@ -47,7 +47,7 @@ void change(SoftBodySettings& settings, const std::string& key, const std::strin
   static const std::map<std::string, Stepper> kSteppers = {{"auto", Stepper::Auto},
                                                            {"verlet", Stepper::Verlet},
                                                            {"midpoint", Stepper::ImplicitMidpoint},
-                                                           {"newton", Stepper::BandedNewton}};
+                                                           {"newton", Stepper::Newton}};
   Stepping& stepping = settings.stepping;
   const double number = std::strtod(value.c_str(), nullptr);
   if (key == "stepper") stepping.stepper = kSteppers.at(value);
@@ -217,7 +217,7 @@ std::vector<EngineChoice> allEngines() {
   const std::pair<const char*, Stepper> steppers[] = {{"default", Stepper::Auto},
                                                       {"Verlet", Stepper::Verlet},
                                                       {"implicit midpoint", Stepper::ImplicitMidpoint},
-                                                      {"banded Newton", Stepper::BandedNewton}};
+                                                      {"Newton", Stepper::Newton}};
   const std::pair<const char*, LinkStiffness> links[] = {{"full stiffness", LinkStiffness::Full},
                                                          {"calibrated", LinkStiffness::Calibrated}};
   std::vector<EngineChoice> choices;

@@ -56,7 +56,7 @@ void rollPlacement(Dice& dice, SoftBodySettings& s) {
 }
 
 void rollStepping(Dice& dice, Stepping& s) {
-  s.stepper = dice.of({Stepper::Auto, Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton});
+  s.stepper = dice.of({Stepper::Auto, Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton});
   if (dice.chance(0.3)) roll(dice, s.minSubsteps, 1, 1e4, 1);
   roll(dice, s.periodTolerance, 1e-8, 1, 1e-8);
   roll(dice, s.tolerance, 0, 1e6, 1e-9);
@@ -180,7 +180,7 @@ TEST(AcceptedSettings, keepPositionsFinite) {
 
 /// Dampers, friction and speed that no iteration converges with, on a body of 10 micrometres.
 TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
-  for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::BandedNewton})
+  for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::Newton})
     for (const double damping : {0.0, 1.0, 1e6, 1e12})
       for (const double friction : {0.5, 1e6}) {
         BulletWorld bullet;

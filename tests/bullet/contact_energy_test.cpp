@@ -284,7 +284,7 @@ TEST(StrongDampers, stopAnImpactAsFineSubstepsDo) {
 
 /// With each stepper: two planes push an undamped cloth that flies into their wedge, and never pull it.
 TEST(HeldContacts, neverPull) {
-  for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
+  for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton}) {
     BulletWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     bullet.add(std::make_unique<btStaticPlaneShape>(vec(-0.6, -0.8, 0), btScalar(-0.9)), 0, vec(0, 0, 0));

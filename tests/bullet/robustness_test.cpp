@@ -44,7 +44,7 @@ SharedNetwork loosePoints(int count) {
 
 TEST(WithoutSprings, pointsFlyAndComeToRest) {
   for (const int count : {1, 3})
-    for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
+    for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::Newton}) {
       BulletWorld bullet;
       bullet.addBoxFloor();
       SoftBodySystem system(*bullet.world);

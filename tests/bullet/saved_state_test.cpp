@@ -59,7 +59,7 @@ struct Scene {
     add(test::tetrahedralCubeNetwork(), s);
     s = placed(6, 3.0, 0);
     s.extensionStiffness = s.compressionStiffness = 1e7;
-    s.stepping.stepper = Stepper::BandedNewton;
+    s.stepping.stepper = Stepper::Newton;
     add(*buildRope({2.0, 10, 0.1}), s);
     system.body(5)->pin(0);
     s = placed(0, 4.0, 3);

@@ -159,9 +159,12 @@ TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
 TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
-  SoftBody* sensor = addSensedCube(system, 0.0);
+  SoftBodySettings s = test::testedSettings();
+  s.collision = Collision::Surface;
+  SoftBody* sensor = *system.createBody(test::closedCubeNetwork(), s);
   sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
-  SoftBody* cube = addSensedCube(system, 0.8);
+  s.position = {0, 0.8, 0};
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
   bullet.tick();
   ASSERT_FALSE(cube->contacts().empty());
   for (const SoftContact& c : cube->contacts()) {

@@ -136,11 +136,11 @@ TEST_P(SteppedBy, aTickAllocatesNothingAfterWarmUp) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Steppers, SteppedBy,
-                         testing::Values(Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton),
+                         testing::Values(Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton),
                          [](const auto& i) {
-                           return i.param == Stepper::Verlet         ? "Verlet"
-                                  : i.param == Stepper::BandedNewton ? "BandedNewton"
-                                                                     : "ImplicitMidpoint";
+                           return i.param == Stepper::Verlet   ? "Verlet"
+                                  : i.param == Stepper::Newton ? "Newton"
+                                                               : "ImplicitMidpoint";
                          });
 
 /// Returns the points of a body after a second without gravity: a rotating, vibrating cube, or a chain that

@@ -562,7 +562,7 @@ TEST_F(SurroundingsTest, aFieldThatIsNotFiniteIsLeftOut) {
 // --- steppers ----------------------------------------------------------------------------------------------
 
 TEST(SurroundedSteppers, haveTheSameTerminalSpeed) {
-  for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::BandedNewton}) {
+  for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton}) {
     BulletWorld bullet;
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = clothSettings(0.5);

@@ -45,7 +45,7 @@ TEST(SteppingChoice, goesImplicitForStiffBodiesInFreeMotion) {
   EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::ImplicitMidpoint);
   EXPECT_LE(chooseStepping(stiff, Stepping()).substeps, 10);
   stiff.narrow = true;
-  EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::BandedNewton);
+  EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Newton);
   stiff.touching = true;
   EXPECT_EQ(chooseStepping(stiff, Stepping()).stepper, Stepper::Verlet) << "impacts want fine substeps";
 }
@@ -94,7 +94,7 @@ TEST(SteppingChoice, solvesStrongDampersWithTheSprings) {
   damped.dampingRate = 1e4;
   EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Verlet) << "a large mesh";
   damped.cheapNewton = true;
-  EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::BandedNewton);
+  EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Newton);
   damped.implicitPossible = false;
   EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Verlet);
 }

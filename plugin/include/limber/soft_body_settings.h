@@ -24,7 +24,7 @@ enum class Stepper : std::uint8_t {
   Auto,              ///< the cheapest of the following for the body's stiffness, damping, mesh and tick
   Verlet,            ///< velocity Verlet with the number of substeps that the stiffest spring requires
   ImplicitMidpoint,  ///< local/global iterations with a factorisation shared by all bodies of one network
-  BandedNewton       ///< implicit midpoint with Newton's method, for ropes and chains
+  Newton             ///< implicit midpoint with Newton's method, for ropes, chains and small bodies
 };
 
 /// Time resolution of the springs within one Bullet tick. Every choice is stable. These settings increase the

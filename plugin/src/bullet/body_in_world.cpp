@@ -52,19 +52,25 @@ double fastestAtRest(const BodyModel& model, const Points& rest) {
   return fastestOscillationSquared(model.springs, model.volumes, model.tetrahedra, state, kResidual);
 }
 
-/// Maximum width of a narrow matrix band: the index distance of two points that a spring joins. A rope has 1,
-/// a rope with bending springs 2.
-constexpr std::size_t kNarrowBand = 3;
+/// Largest number of blocks below the diagonal in a column of a narrow matrix. A rope has 1, a rope with
+/// bending springs 2.
+constexpr std::uint32_t kNarrow = 3;
 
-/// Maximum number of operations of a cheap banded factorisation, about 3 #points (3 width)^2. This takes some
-/// 20 us. A cube takes 10 000 operations.
-constexpr std::size_t kCheapOperations = 50000;
+/// Largest number of products in a cheap factorisation, which takes some 20 us. A cube takes 3 500.
+constexpr std::size_t kCheapProducts = 20000;
 
-void measureBand(BodyModel& model) {
-  const std::size_t points = model.network->restPoints.size();
-  const std::size_t width = bandWidth(model.springs, bandOrder(model.springs, points));
-  model.narrow = width <= kNarrowBand;
-  model.cheapNewton = 27 * points * width * width <= kCheapOperations;
+/// A column with n blocks below the diagonal takes n (n + 1) / 2 + n products of blocks, and an inverse.
+void measureFactors(BodyModel& model) {
+  std::vector<std::uint32_t> place;
+  std::uint32_t widest = 0;
+  std::size_t products = 0;
+  for (const std::size_t n :
+       fillOf(joinedPoints({model.springs, &model.tetrahedra}), model.network->restPoints.size(), place)) {
+    widest = std::max(widest, static_cast<std::uint32_t>(n));
+    products += 27 * (n * (n + 1) / 2 + n + 1);
+  }
+  model.narrow = widest <= kNarrow;
+  model.cheapNewton = products <= kCheapProducts;
 }
 
 /// Sets the masses of the points, and their fractions of the sum: groups may change it.
@@ -96,7 +102,7 @@ BodyModel makeModel(const SharedNetwork& network, const SoftBodySettings& settin
     model.rest.meanSquare += model.rest.weighted.col(i).dot(rest.col(i));
   }
   model.fastestAtRest = fastestAtRest(model, rest);
-  measureBand(model);
+  measureFactors(model);
   return model;
 }
 

@@ -210,7 +210,7 @@ void rewind(LinkedGroup& group) {
 /// Returns false if the implicit stepper did not succeed.
 bool stepImplicitly(LinkedGroup& group, double tick, SharedFactors& factors) {
   const auto kind =
-      group.stepper == Stepper::BandedNewton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
+      group.stepper == Stepper::Newton ? MidpointSolver::Kind::Newton : MidpointSolver::Kind::Shared;
   std::unique_ptr<ImplicitState>& implicit = group.bodies[0]->implicit;
   if (!implicit) implicit = std::make_unique<ImplicitState>();
   return stepImplicit(group.step.bodies[0], *implicit, kind, tick, group.substeps, factors);

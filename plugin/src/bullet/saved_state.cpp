@@ -26,7 +26,7 @@
 namespace limber {
 
 // what ByteReader needs to know of the settings' types
-static constexpr Stepper lastOf(Stepper) { return Stepper::BandedNewton; }
+static constexpr Stepper lastOf(Stepper) { return Stepper::Newton; }
 static constexpr Collision lastOf(Collision) { return Collision::Surface; }
 
 inline namespace LIMBER_BULLET_PRECISION {

@@ -6,101 +6,6 @@
 
 namespace limber {
 
-// --- banded matrices ---------------------------------------------------------------------------------------
-
-void factorise(BandedMatrix& matrix) {
-  Eigen::MatrixXd& a = matrix.band;
-  const Eigen::Index size = matrix.size(), width = matrix.width();
-  for (Eigen::Index j = 0; j < size; ++j) {
-    const Eigen::Index below = std::min(width, size - 1 - j);
-    if (!(a(0, j) > 0.0)) a(0, j) = 1.0;
-    // columns j + k lose l_k d l^T; l is column j divided by its pivot d
-    for (Eigen::Index k = 1; k <= below; ++k) {
-      const double factor = a(k, j) / a(0, j);
-      if (factor != 0.0) a.col(j + k).head(below - k + 1) -= factor * a.col(j).segment(k, below - k + 1);
-    }
-    a.col(j).segment(1, below) /= a(0, j);
-  }
-}
-
-void solve(const BandedMatrix& factors, Eigen::Ref<Eigen::VectorXd> b) {
-  const Eigen::MatrixXd& a = factors.band;
-  const Eigen::Index size = factors.size(), width = factors.width();
-  for (Eigen::Index j = 0; j < size; ++j) {
-    const Eigen::Index below = std::min(width, size - 1 - j);
-    b.segment(j + 1, below) -= b[j] * a.col(j).segment(1, below);
-  }
-  for (Eigen::Index j = size; j-- > 0;) {
-    const Eigen::Index below = std::min(width, size - 1 - j);
-    b[j] = b[j] / a(0, j) - a.col(j).segment(1, below).dot(b.segment(j + 1, below));
-  }
-}
-
-namespace {
-
-using Neighbours = std::vector<std::vector<std::uint32_t>>;
-
-Neighbours neighboursOf(const SpringArrays& springs, std::size_t points) {
-  Neighbours neighbours(points);
-  for (std::size_t s = 0; s < springs.size(); ++s) {
-    neighbours[springs->a[s]].push_back(springs->b[s]);
-    neighbours[springs->b[s]].push_back(springs->a[s]);
-  }
-  const auto fewer = [&](std::uint32_t a, std::uint32_t b) {
-    return std::pair(neighbours[a].size(), a) < std::pair(neighbours[b].size(), b);
-  };
-  Neighbours sorted = neighbours;
-  for (auto& list : sorted) std::sort(list.begin(), list.end(), fewer);
-  return sorted;
-}
-
-/// Appends the points that can be reached from `start`, nearest first.
-void visitFrom(std::uint32_t start, const Neighbours& neighbours, std::vector<unsigned char>& seen,
-               std::vector<std::uint32_t>& order) {
-  std::size_t next = order.size();
-  order.push_back(start);
-  seen[start] = 1;
-  for (; next < order.size(); ++next)
-    for (const std::uint32_t i : neighbours[order[next]])
-      if (!seen[i]) {
-        seen[i] = 1;
-        order.push_back(i);
-      }
-}
-
-/// Returns a point at one end of the component, found by going to the farthest point twice.
-std::uint32_t findEnd(std::uint32_t start, const Neighbours& neighbours) {
-  for (int pass = 0; pass < 2; ++pass) {
-    std::vector<unsigned char> seen(neighbours.size(), 0);
-    std::vector<std::uint32_t> order;
-    visitFrom(start, neighbours, seen, order);
-    start = order.back();
-  }
-  return start;
-}
-
-}  // namespace
-
-std::vector<std::uint32_t> bandOrder(const SpringArrays& springs, std::size_t points) {
-  const Neighbours neighbours = neighboursOf(springs, points);
-  std::vector<unsigned char> seen(points, 0);
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t i = 0; i < points; ++i)
-    if (!seen[i]) visitFrom(findEnd(i, neighbours), neighbours, seen, order);
-  std::vector<std::uint32_t> positions(points);
-  for (std::uint32_t k = 0; k < points; ++k) positions[order[k]] = static_cast<std::uint32_t>(points) - 1 - k;
-  return positions;
-}
-
-std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& positions) {
-  std::size_t width = 0;
-  for (std::size_t s = 0; s < springs.size(); ++s) {
-    const auto a = positions[springs->a[s]], b = positions[springs->b[s]];
-    width = std::max<std::size_t>(width, a > b ? a - b : b - a);
-  }
-  return width;
-}
-
 // --- the matrix that bodies share --------------------------------------------------------------------------
 
 namespace {
@@ -178,18 +83,24 @@ std::shared_ptr<const SharedFactor> SharedFactors::get(const Sparse& matrix) {
   return shared;
 }
 
+std::vector<PointPair> joinedPoints(const ElasticParts& parts) {
+  std::vector<PointPair> joined;
+  for (std::size_t s = 0; s < parts.springs.size(); ++s)
+    joined.push_back({parts.springs->a[s], parts.springs->b[s]});
+  if (!parts.tetrahedra) return joined;
+  for (const Tetrahedron& t : (*parts.tetrahedra)->tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < i; ++j) joined.push_back({t[i], t[j]});
+  return joined;
+}
+
 // --- the system of an iteration ----------------------------------------------------------------------------
 
 namespace {
 
-void prepareBanded(MidpointSolver& solver, const SpringArrays& springs) {
+void prepareNewton(MidpointSolver& solver, const ElasticParts& parts) {
   const auto points = static_cast<std::size_t>(solver.inverseMass.cols());
-  if (solver.place.size() != points) {
-    solver.place = bandOrder(springs, points);
-    const auto width = 3 * static_cast<Eigen::Index>(bandWidth(springs, solver.place)) + 2;
-    solver.banded.resize(static_cast<Eigen::Index>(3 * points), width);
-    solver.ordered.resize(static_cast<Eigen::Index>(3 * points));
-  }
+  if (solver.newton.points() != points) setPattern(solver.newton, joinedPoints(parts), points);
 }
 
 /// Returns h^2/4 times the stiffness of spring s plus its damping weight, 3 x 3.
@@ -207,28 +118,18 @@ Eigen::Matrix3d springBlock(const MidpointSolver& solver, const SpringArrays& sp
          sideways * (Eigen::Matrix3d::Identity() - along);
 }
 
-/// Returns the first of the point's three rows of the banded matrix.
-Eigen::Index rowOf(const MidpointSolver& solver, Eigen::Index point) {
-  return 3 * Eigen::Index{solver.place[static_cast<std::size_t>(point)]};
-}
-
-/// Adds the block in the row of one point and the column of another to the lower triangle, transposed if it
-/// is above the diagonal; nothing if either is held.
+/// Adds the block in the row of one point and the column of another; nothing if either is held.
 void addFree(MidpointSolver& solver, std::uint32_t rowPoint, std::uint32_t columnPoint,
              const Eigen::Matrix3d& block) {
   if (isHeld(solver.inverseMass, rowPoint) || isHeld(solver.inverseMass, columnPoint)) return;
-  const Eigen::Index row = rowOf(solver, rowPoint), column = rowOf(solver, columnPoint);
-  for (Eigen::Index i = 0; i < 3; ++i)
-    for (Eigen::Index j = 0; j < 3; ++j)
-      if (row != column || i >= j)
-        solver.banded.at(std::max(row + i, column + j), std::min(row + i, column + j)) += block(i, j);
+  solver.newton.add(rowPoint, columnPoint, block);
 }
 
 void addMasses(MidpointSolver& solver) {
-  for (Eigen::Index i = 0; i < solver.inverseMass.cols(); ++i)
-    solver.banded.band.row(0)
-        .segment<3>(rowOf(solver, i))
-        .setConstant(isHeld(solver.inverseMass, i) ? 1.0 : massOf(solver.inverseMass, i));
+  for (std::uint32_t i = 0; i < solver.inverseMass.cols(); ++i) {
+    const double mass = isHeld(solver.inverseMass, i) ? 1.0 : massOf(solver.inverseMass, i);
+    solver.newton.add(i, i, mass * Eigen::Matrix3d::Identity());
+  }
 }
 
 void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra, const Points& position) {
@@ -247,9 +148,7 @@ void addTetrahedra(MidpointSolver& solver, const TetrahedronVolumes& tetrahedra,
 /// Solves A x = b in place without the volume term.
 void solveWithoutVolumes(MidpointSolver& solver, Points& b) {
   if (solver.kind == MidpointSolver::Kind::Shared) return solver.shared->solve(b, solver.scratch);
-  for (Eigen::Index i = 0; i < b.cols(); ++i) solver.ordered.segment<3>(rowOf(solver, i)) = b.col(i);
-  solve(solver.banded, solver.ordered);
-  for (Eigen::Index i = 0; i < b.cols(); ++i) b.col(i) = solver.ordered.segment<3>(rowOf(solver, i));
+  solve(solver.newton, b, solver.scratch);
 }
 
 }  // namespace
@@ -260,7 +159,7 @@ void prepare(MidpointSolver& solver, const ElasticParts& parts, const Points& in
   const bool same = solver.substep == h && solver.revision == springs.revision &&
                     solver.inverseMass.cols() == inverseMass.cols() && solver.inverseMass == inverseMass;
   const bool shared = solver.kind == MidpointSolver::Kind::Shared;
-  if (same && (shared ? solver.shared != nullptr : !solver.place.empty())) return;
+  if (same && (shared ? solver.shared != nullptr : solver.newton.points() > 0)) return;
   solver.substep = h;
   solver.revision = springs.revision;
   solver.inverseMass = inverseMass;
@@ -271,15 +170,14 @@ void prepare(MidpointSolver& solver, const ElasticParts& parts, const Points& in
   if (shared)
     solver.shared = factors.get(midpointMatrix(parts, inverseMass, h));
   else
-    prepareBanded(solver, springs);
+    prepareNewton(solver, parts);
 }
 
 void update(MidpointSolver& solver, const ElasticParts& parts, const Points& damperDirection,
             const Points& position) {
   if (solver.kind == MidpointSolver::Kind::Shared) return;
   const SpringArrays& springs = parts.springs;
-  BandedMatrix& matrix = solver.banded;
-  matrix.band.setZero();
+  setZero(solver.newton);
   addMasses(solver);
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto a = springs->a[s], b = springs->b[s];
@@ -289,7 +187,7 @@ void update(MidpointSolver& solver, const ElasticParts& parts, const Points& dam
     addFree(solver, a, b, -block);
   }
   if (parts.tetrahedra) addTetrahedra(solver, *parts.tetrahedra, position);
-  factorise(matrix);
+  factorise(solver.newton);
 }
 
 void updateVolumes(MidpointSolver& solver, const VolumeArrays& volumes, const PointState& state) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// The linear systems of the implicit midpoint rule: a constant matrix that bodies share, or a banded one of
-// Newton's method.
+// The linear systems of the implicit midpoint rule: a constant matrix that bodies share, or that of Newton's
+// method.
 
 #include "mesh/linear_algebra.h"
+#include "solver/block_matrix.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/volumes.h"
@@ -17,34 +18,6 @@
 #include <vector>
 
 namespace limber {
-
-// --- banded matrices ---------------------------------------------------------------------------------------
-
-/// A symmetric positive definite matrix with `width` diagonals below the main one: A(i, j) for
-/// i - width <= j <= i. Column j of `band` holds A(j, j), A(j + 1, j), ... A(j + width, j).
-struct BandedMatrix {
-  Eigen::MatrixXd band;  ///< (width + 1) x size
-
-  void resize(Eigen::Index size, Eigen::Index width) { band.resize(width + 1, size); }
-  Eigen::Index size() const { return band.cols(); }
-  Eigen::Index width() const { return band.rows() - 1; }
-  double& at(Eigen::Index i, Eigen::Index j) { return band(i - j, j); }  ///< i >= j
-};
-
-/// Replaces A by the factors of A = L D L^T (D on the diagonal, L unit lower triangular below it), in about
-/// size x width^2 operations (Golub, Van Loan 2013, section 4.3). A pivot of 0 or less, which rounding can
-/// cause, becomes 1.
-void factorise(BandedMatrix& matrix);
-
-/// Solves A x = b in place with the factors.
-void solve(const BandedMatrix& factors, Eigen::Ref<Eigen::VectorXd> b);
-
-/// Returns the position of each point in an order in which points joined by springs are close together
-/// (Cuthill, McKee 1969, reversed). For a rope this is the order along the rope, for a cloth row after row.
-std::vector<std::uint32_t> bandOrder(const SpringArrays& springs, std::size_t points);
-
-/// Returns the largest distance of two joined points in that order.
-std::size_t bandWidth(const SpringArrays& springs, const std::vector<std::uint32_t>& positions);
 
 // --- the matrix that bodies share --------------------------------------------------------------------------
 
@@ -75,6 +48,9 @@ struct ElasticParts {
   const SpringArrays& springs;
   const TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 };
+
+/// Returns the pairs of points that springs or tetrahedra join, some of them more than once.
+std::vector<PointPair> joinedPoints(const ElasticParts& parts);
 
 /// Factors that bodies share, each computed once. Allocates for a new matrix. Any thread may call get().
 class SharedFactors {
@@ -115,7 +91,7 @@ struct VolumeUpdate {
 struct MidpointSolver {
   enum class Kind : std::uint8_t {
     Shared,  ///< one constant matrix, see SharedFactor: cheap iterations that converge slowly
-    Newton   ///< the matrix at the present positions, banded: expensive iterations that converge fast
+    Newton   ///< the matrix at the present positions: expensive iterations that converge fast
   } kind = Kind::Shared;
 
   double substep = 0.0;   ///< s, the h at preparation
@@ -124,9 +100,7 @@ struct MidpointSolver {
 
   std::shared_ptr<const SharedFactor> shared;
   std::vector<double> dampingWeights;  ///< #springs, kg
-  std::vector<std::uint32_t> place;    ///< #points, position in the banded matrix
-  BandedMatrix banded;                 ///< factors, 3 #points rows
-  Eigen::VectorXd ordered;             ///< 3 #points, scratch
+  BlockMatrix newton;                  ///< factors
   Points scratch;                      ///< 3 x #points
   VolumeUpdate volumes;
 };

@@ -123,7 +123,7 @@ Result<void> validate(const SoftBodySettings& s) {
       {"sleepingSpeed", s.sleepingSpeed, 0, 1e6, "from 0 to 1e6"},
       {"gravityFactor", s.gravityFactor, -1e3, 1e3, "from -1000 to 1000"},
       {"maxPinSpeed", s.maxPinSpeed, 1e-6, 1e6, "from 1e-6 to 1e6"},
-      {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, double(Stepper::BandedNewton),
+      {"stepping.stepper", static_cast<double>(s.stepping.stepper), 0, double(Stepper::Newton),
        "one of Stepper's"},
       {"stepping.minSubsteps", static_cast<double>(s.stepping.minSubsteps), 1, 1e4, "from 1 to 10000"},
       {"stepping.periodTolerance", s.stepping.periodTolerance, 1e-8, 1, "from 1e-8 to 1"},

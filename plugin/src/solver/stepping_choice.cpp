@@ -177,7 +177,7 @@ int forImpact(const SteppingProblem& p, int otherwise) {
 }
 
 Stepper implicitFor(const SteppingProblem& p, bool strong) {
-  return strong || p.narrow || p.cheapNewton ? Stepper::BandedNewton : Stepper::ImplicitMidpoint;
+  return strong || p.narrow || p.cheapNewton ? Stepper::Newton : Stepper::ImplicitMidpoint;
 }
 
 /// Substeps that Verlet needs: for stability, with the default period tolerance, and with the settings.

@@ -61,7 +61,7 @@ struct SteppingProblem {
   bool implicitPossible = false;  ///< see canStepImplicitly
   bool touching = false;          ///< has contacts
   bool cheapNewton = false;       ///< few points or few diagonals: the matrix is factorised in microseconds
-  bool narrow = false;            ///< a rope or chain: the banded matrix has a few diagonals only
+  bool narrow = false;            ///< a rope or chain: the factors of its matrix have few blocks
   bool held = false;              ///< some points are pinned
 };
 
