@@ -58,9 +58,7 @@ TEST(BlockMatrix, staysSparse) {
   SoftBodySettings settings;
   const auto blocks = [&](const SharedNetwork& network) {
     const SpringArrays springs = makeSprings(*network, settings);
-    std::vector<std::uint32_t> place;
-    const std::vector<std::uint32_t> fill =
-        fillOf(joinedPoints({springs}), network->restPoints.size(), place);
+    const std::vector<std::uint32_t> fill = fillOf(joinedPoints({springs}), network->restPoints.size());
     return std::accumulate(fill.begin(), fill.end(), 0u);
   };
   EXPECT_EQ(blocks(test::chainNetwork(40)), 40u) << "nothing is filled in";

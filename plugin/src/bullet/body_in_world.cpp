@@ -61,11 +61,10 @@ constexpr std::size_t kCheapProducts = 20000;
 
 /// A column with n blocks below the diagonal takes n (n + 1) / 2 + n products of blocks, and an inverse.
 void measureFactors(BodyModel& model) {
-  std::vector<std::uint32_t> place;
   std::uint32_t widest = 0;
   std::size_t products = 0;
   for (const std::size_t n :
-       fillOf(joinedPoints({model.springs, &model.tetrahedra}), model.network->restPoints.size(), place)) {
+       fillOf(joinedPoints({model.springs, &model.tetrahedra}), model.network->restPoints.size())) {
     widest = std::max(widest, static_cast<std::uint32_t>(n));
     products += 27 * (n * (n + 1) / 2 + n + 1);
   }

@@ -89,11 +89,10 @@ void BlockMatrix::add(std::uint32_t i, std::uint32_t j, const Matrix3d& block) {
     entry += block.transpose();
 }
 
-std::vector<std::uint32_t> fillOf(const std::vector<PointPair>& joined, std::size_t points,
-                                  std::vector<std::uint32_t>& place) {
-  place = sparseOrder(joined, points);
+std::vector<std::uint32_t> fillOf(const std::vector<PointPair>& joined, std::size_t points) {
   std::vector<std::uint32_t> fill;
-  for (const auto& rows : columnsOf(joined, place)) fill.push_back(static_cast<std::uint32_t>(rows.size()));
+  for (const auto& rows : columnsOf(joined, sparseOrder(joined, points)))
+    fill.push_back(static_cast<std::uint32_t>(rows.size()));
   return fill;
 }
 
@@ -140,7 +139,8 @@ void factorise(BlockMatrix& matrix) {
 }
 
 void solve(const BlockMatrix& factors, Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& scratch) {
-  for (Eigen::Index i = 0; i < x.cols(); ++i) scratch.col(factors.place[static_cast<std::size_t>(i)]) = x.col(i);
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    scratch.col(factors.place[static_cast<std::size_t>(i)]) = x.col(i);
   const std::size_t points = factors.points();
   for (std::size_t j = 0; j < points; ++j) {
     const Vector3d solved = scratch.col(static_cast<Eigen::Index>(j));
@@ -153,7 +153,8 @@ void solve(const BlockMatrix& factors, Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& sc
       sum.noalias() -= factors.below[k].transpose() * scratch.col(factors.row[k]);
     scratch.col(static_cast<Eigen::Index>(j)) = sum;
   }
-  for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = scratch.col(factors.place[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    x.col(i) = scratch.col(factors.place[static_cast<std::size_t>(i)]);
 }
 
 }  // namespace limber

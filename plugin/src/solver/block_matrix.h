@@ -16,13 +16,13 @@ using PointPair = std::array<std::uint32_t, 2>;
 
 /// A symmetric positive definite matrix A with a block for each pair of joined points, or its factors
 ///     P A P^T = L D L^T,   D of 3 x 3 blocks, L with unit blocks on its diagonal.
-/// The permutation P keeps L sparse; the entries that the factorisation fills are in the pattern from the
-/// start. A holds of all blocks below the diagonal those in the order of P.
+/// The permutation P keeps L sparse. Blocks are in the order of P, and those that the factorisation fills are
+/// there from the start.
 struct BlockMatrix {
-  std::vector<std::uint32_t> place;       ///< #points, the row and column of each point
-  std::vector<std::uint32_t> start;       ///< #points + 1, the first block of each column in `row` and `below`
-  std::vector<std::uint32_t> row;         ///< #blocks below the diagonal, ascending in a column
-  std::vector<Eigen::Matrix3d> below;     ///< the same, of A or L
+  std::vector<std::uint32_t> place;    ///< #points, the row and column of each point
+  std::vector<std::uint32_t> start;    ///< #points + 1, the first block of each column in `row` and `below`
+  std::vector<std::uint32_t> row;      ///< #blocks below the diagonal, ascending in a column
+  std::vector<Eigen::Matrix3d> below;  ///< the same, of A or L
   std::vector<Eigen::Matrix3d> diagonal;  ///< #points, of A, or the inverse blocks of D
   std::vector<Eigen::Matrix3d> column;    ///< scratch
 
@@ -31,9 +31,8 @@ struct BlockMatrix {
   void add(std::uint32_t i, std::uint32_t j, const Eigen::Matrix3d& block);
 };
 
-/// Returns the number of blocks below the diagonal in each column of the factors. Sets `place`.
-std::vector<std::uint32_t> fillOf(const std::vector<PointPair>& joined, std::size_t points,
-                                  std::vector<std::uint32_t>& place);
+/// Returns the number of blocks below the diagonal in each column of the factors.
+std::vector<std::uint32_t> fillOf(const std::vector<PointPair>& joined, std::size_t points);
 
 /// Sets the pattern. Pairs may be repeated.
 void setPattern(BlockMatrix& matrix, const std::vector<PointPair>& joined, std::size_t points);
