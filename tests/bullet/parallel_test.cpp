@@ -68,8 +68,14 @@ TEST(ThreadPool, runsTasksOfTasksAndOfOtherThreads) {
 TEST(ThreadPool, worksAfterATaskHasThrown) {
   ThreadPool pool(2);
   const std::thread::id self = std::this_thread::get_id();
+  std::atomic<bool> thrown{false};
+  // the other thread waits, or it might do all tasks
   const auto throwsHere = [&](std::size_t) {
-    if (std::this_thread::get_id() == self) throw 1;
+    if (std::this_thread::get_id() == self) {
+      thrown = true;
+      throw 1;
+    }
+    while (!thrown) std::this_thread::yield();
   };
   EXPECT_THROW(pool.run(1000, throwsHere), int);
   std::set<std::thread::id> seen;
