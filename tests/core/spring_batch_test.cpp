@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A body stepped with four springs at a time must equal the same body stepped with single springs, bit for
 // bit.
-#include "solver/simd_steps.h"
+#include "solver/spring_batches.h"
 #include "solver/springs.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
@@ -18,13 +18,51 @@ namespace {
 
 using test::SteppedTestBody;
 
+SharedNetwork cloth(std::uint32_t columns, std::uint32_t rows) {
+  ClothSettings settings;
+  settings.columns = columns;
+  settings.rows = rows;
+  return *buildCloth(settings);
+}
+
+/// A cloth with two equal springs between some points, and without the springs of one point.
+SharedNetwork mendedCloth() {
+  auto network = std::make_shared<SpringNetwork>(*cloth(14, 17));
+  const auto touchesHole = [](const NetworkSpring& s) { return s.a == 40 || s.b == 40; };
+  auto& springs = network->springs;
+  springs.erase(std::remove_if(springs.begin(), springs.end(), touchesHole), springs.end());
+  for (std::size_t i = 0; i < 60; i += 7) springs.push_back(springs[i]);
+  std::swap(springs[3].a, springs[3].b);
+  return network;
+}
+
+/// A cloth of n x n fields whose points have other numbers in each row, so that it is not regular.
+SharedNetwork shuffledCloth(std::uint32_t n) {
+  const SharedNetwork regular = cloth(n, n);
+  auto network = std::make_shared<SpringNetwork>(*regular);
+  const std::uint32_t side = n + 1;
+  const auto numberOf = [&](std::uint32_t i) {
+    const std::uint32_t row = i / side;
+    return row * side + (i + 5 * row * row) % side;
+  };
+  for (std::uint32_t i = 0; i < side * side; ++i) network->restPoints[numberOf(i)] = regular->restPoints[i];
+  for (NetworkSpring& spring : network->springs) spring.a = numberOf(spring.a), spring.b = numberOf(spring.b);
+  return network;
+}
+
+/// They have strips of several lengths: with points missing in the last one, or in all slots of it.
+std::vector<SharedNetwork> regularNetworks() {
+  return {test::chainNetwork(30), cloth(9, 11),  cloth(15, 15),
+          cloth(40, 8),           mendedCloth(), test::tetrahedralBlockNetwork(3, 3, 20)};
+}
+
 std::vector<SharedNetwork> networks() {
-  ClothSettings cloth;
-  cloth.columns = 7;
-  cloth.rows = 5;
-  return {test::pairNetwork(),       test::chainNetwork(3),      test::chainNetwork(30),
-          test::cubeNetwork(),       test::fullCubeNetwork(),    *buildCloth(cloth),
-          test::closedCubeNetwork(), test::tetrahedronNetwork(), test::tetrahedralCubeNetwork()};
+  std::vector<SharedNetwork> all = regularNetworks();
+  for (const SharedNetwork& network :
+       {test::pairNetwork(), test::chainNetwork(3), test::cubeNetwork(), test::fullCubeNetwork(), cloth(7, 5),
+        test::closedCubeNetwork(), test::tetrahedronNetwork(), test::tetrahedralCubeNetwork()})
+    all.push_back(network);
+  return all;
 }
 
 /// A deformed, moving body with one static point and one plane contact.
@@ -93,9 +131,49 @@ TEST(Quads, giveTheBitsOfSpringBySpringToLinkedBodies) {
     for (const double damping : {0.0, 0.2}) compareSteps<LinkedBody>(network, damping);
 }
 
+// --- strips ------------------------------------------------------------------------------------------------
+
+/// Checks that each batch has springs between its two slots, one for each strip at most.
+void checkBatches(const SpringNetwork& network, const Division& division) {
+  const Strips& strips = division.strips;
+  ASSERT_EQ(strips.places.size(), network.springs.size());
+  for (std::size_t i = 0; i < strips.places.size(); ++i) {
+    ASSERT_TRUE(i == 0 || strips.places[i - 1] < strips.places[i]);
+    const NetworkSpring& spring = network.springs[division.order[i]];
+    const std::uint32_t low = std::min(spring.a, spring.b), high = std::max(spring.a, spring.b);
+    const Strips::Batch& batch = strips.batches[strips.places[i] / Strips::kCount];
+    const std::uint32_t strip = strips.places[i] % Strips::kCount;
+    ASSERT_NE(batch.a, batch.b);
+    ASSERT_LE(batch.shift, 1u);
+    ASSERT_EQ(low, strip * strips.length + batch.a);
+    ASSERT_EQ(high, (strip + batch.shift) * strips.length + batch.b);
+  }
+}
+
+TEST(Strips, joinTheSameSlots) {
+  for (const SharedNetwork& network : regularNetworks()) {
+    SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points");
+    const Division division = divideSprings(*network);
+    ASSERT_GT(division.strips.length, 0u);
+    EXPECT_GE(Strips::kCount * division.strips.length, network->restPoints.size());
+    EXPECT_GE(double(network->springs.size()) / double(division.strips.batches.size()), 2.8);
+    checkBatches(*network, division);
+  }
+}
+
+TEST(Strips, areOfRegularNetworksOnly) {
+  for (const SharedNetwork& network :
+       {shuffledCloth(20), test::pairNetwork(), test::fullCubeNetwork(), cloth(7, 5)})
+    EXPECT_EQ(divideSprings(*network).strips.length, 0u) << network->restPoints.size();
+  EXPECT_EQ(divideSprings(SpringNetwork()).strips.length, 0u);
+}
+
+// --- the order ---------------------------------------------------------------------------------------------
+
 TEST(SpringOrder, hasEverySpringOnceAndMostFoursApart) {
   for (const SharedNetwork& network : networks()) {
-    std::vector<std::uint32_t> order = divideSprings(*network).order;
+    const Division division = divideSprings(*network);
+    std::vector<std::uint32_t> order = division.order;
     const auto sharePoint = [&](std::uint32_t i, std::uint32_t j) {
       const NetworkSpring &s = network->springs[i], &t = network->springs[j];
       return s.a == t.a || s.a == t.b || s.b == t.a || s.b == t.b;
@@ -108,7 +186,7 @@ TEST(SpringOrder, hasEverySpringOnceAndMostFoursApart) {
           allDisjoint = allDisjoint && !sharePoint(order[4 * g + i], order[4 * g + j]);
       disjoint += allDisjoint;
     }
-    if (order.size() > 30) {
+    if (order.size() > 30 && division.strips.length == 0) {
       EXPECT_GE(disjoint, fours * 9 / 10) << order.size();
     }
     std::sort(order.begin(), order.end());
@@ -119,9 +197,7 @@ TEST(SpringOrder, hasEverySpringOnceAndMostFoursApart) {
 /// Batches that share no point with the ones before them need not wait for these. At the end of each range of
 /// a divided body few springs are left to choose from: some 100 springs at each of four ends.
 TEST(SpringOrder, putsSpringsThatShareAPointFarApart) {
-  ClothSettings cloth;
-  cloth.columns = cloth.rows = 40;
-  const SharedNetwork network = *buildCloth(cloth);
+  const SharedNetwork network = shuffledCloth(40);
   std::vector<std::size_t> last(network->restPoints.size(), 0);
   std::size_t place = 0, near = 0;
   for (const std::uint32_t i : divideSprings(*network).order) {

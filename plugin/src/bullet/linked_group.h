@@ -10,7 +10,7 @@
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
-#include "solver/simd_steps.h"
+#include "solver/spring_batches.h"
 #include "solver/verlet_step.h"
 
 #include <limber/spring_constraint.h>

@@ -78,12 +78,23 @@ struct LaneBody {
   double* sums;  ///< output, a MotionSums of packs; nullptr: not wanted
 };
 
+/// The ends of springs in strips (Strips of division.h).
+struct StripBody {
+  /// Numbers of a slot: for each of these quantities x of its points, one from each strip, then y and z.
+  static constexpr unsigned kPosition = 0, kVelocity = 12, kForce = 24, kInverseMass = 36, kNumbers = 48;
+
+  unsigned slots = 0;         ///< 0: not in strips
+  unsigned points = 0;        ///< of the body
+  double* numbers = nullptr;  ///< kNumbers x #slots, and one more that a shifted batch reads
+};
+
 /// One body. Each point has four doubles: x, y, z, 0. Each spring has one number per array. The number of
 /// springs is a multiple of four.
 struct SpringBatchBody {
   unsigned points, springs;
-  const unsigned *a, *b;
-  const unsigned char* apart;  ///< per batch of four springs: whether they share no point
+  const unsigned *a, *b;  ///< points; in strips one per batch: the first number of its first spring's end
+  const unsigned char* apart;  ///< per batch of four springs: whether they share no point; not used in strips
+  StripBody strips;
   double *position, *velocity, *force, *earlierForce;
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
@@ -95,7 +106,7 @@ struct SpringBatchBody {
   const ContactCalls* contacts;
 };
 
-/// The points from `begin` to `end`, or those with these entries of `numbers`, if it is set.
+/// The points, or slots, from `begin` to `end`, or those with these entries of `numbers`, if it is set.
 struct BatchPoints {
   unsigned begin, end;
   const unsigned* numbers = nullptr;
@@ -114,6 +125,13 @@ void clearBatchForces(const SpringBatchBody& body, const BatchPoints& points);
 void kickBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& points);
 void driftBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& points);
 void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, unsigned begin, unsigned end);
+
+/// Moves the ends of springs in strips between their slots and the points. They do nothing for other bodies.
+void loadSlotPositions(const SpringBatchBody& body, const BatchPoints& slots);  ///< also clears slots' forces
+void unloadSlotForces(const SpringBatchBody& body,
+                      const BatchPoints& slots);  ///< replaces the points' forces
+void loadSlotVelocities(const SpringBatchBody& body, const BatchPoints& slots);
+void unloadSlotVelocities(const SpringBatchBody& body, const BatchPoints& slots);
 
 #if defined(LIMBER_HAS_X86_LANES)
 void stepSse2(const LaneBody& body, double tick, int substeps);

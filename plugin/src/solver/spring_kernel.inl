@@ -99,6 +99,101 @@ void dampInTurn(const SpringBatchBody& b, Index i, Quad factor, bool forward) {
   }
 }
 
+// --- springs in strips ---
+
+/// Returns a quantity of a slot.
+Vector<Quad> of(const double* slot, Index quantity) {
+  return {fourAt(slot + quantity), fourAt(slot + quantity + 4), fourAt(slot + quantity + 8)};
+}
+
+void store(double* slot, Index quantity, const Vector<Quad>& v) {
+  store(slot + quantity, v.x), store(slot + quantity + 4, v.y), store(slot + quantity + 8, v.z);
+}
+
+Vector<Quad> operator+(const Vector<Quad>& a, const Vector<Quad>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+Vector<Quad> operator-(const Vector<Quad>& a, const Vector<Quad>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+Vector<Quad> operator*(const Vector<Quad>& a, const Vector<Quad>& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+/// Does the same as addForce() of verlet_kernel.h for the springs of batches. A batch to the next strip also
+/// reads and writes the numbers after x, y and z of its slot b: its last spring is missing, has no stiffness
+/// and no damping, and adds 0 there.
+void addStripForces(const SpringBatchBody& body, Index begin, Index end) {
+  constexpr Index kX = StripBody::kPosition, kF = StripBody::kForce;
+  const Index *as = body.a, *bs = body.b;
+  double* slots = body.strips.numbers;
+  const Quad *restLength = springBatches(body.restLength),
+             *extension = springBatches(body.extensionStiffness),
+             *compression = springBatches(body.compressionStiffness);
+  Quad* inverseLength = springBatches(body.inverseLength);
+  for (Index i = begin; i < end; ++i) {
+    double *a = slots + as[i], *b = slots + bs[i];
+    const Vector<Quad> d = of(b, kX) - of(a, kX);
+    const Pull<Quad> p = pullOf(dot(d, d), restLength[i], extension[i], compression[i]);
+    inverseLength[i] = p.scale;
+    const Vector<Quad> force = scaled(p.force, scaled(p.scale, d));
+    store(a, kF, of(a, kF) + force);
+    store(b, kF, of(b, kF) - force);
+  }
+}
+
+/// Does the same as damp() of verlet_kernel.h for a batch.
+void dampStrip(double* a, double* b, Quad inverseLength, Quad factor) {
+  constexpr Index kX = StripBody::kPosition, kV = StripBody::kVelocity, kW = StripBody::kInverseMass;
+  const Vector<Quad> n = scaled(inverseLength, of(b, kX) - of(a, kX));
+  const Vector<Quad> va = of(a, kV), vb = of(b, kV);
+  const Vector<Quad> impulse = scaled(factor * dot(n, vb - va), n);
+  store(a, kV, va + impulse * of(a, kW));
+  store(b, kV, vb - impulse * of(b, kW));
+}
+
+void dampStrips(const SpringBatchBody& body, const Quad* factors, bool forward, Index begin, Index end) {
+  const Index *a = body.a, *b = body.b;
+  double* slots = body.strips.numbers;
+  const Quad* inverseLength = springBatches(body.inverseLength);
+  const Index step = forward ? 1 : static_cast<Index>(-1);
+  for (Index k = begin, i = forward ? begin : end - 1; k < end; ++k, i += step)
+    dampStrip(slots + a[i], slots + b[i], inverseLength[i], factors[i]);
+}
+
+/// Calls move(slot, number of its points) for the slots.
+template <class Move>
+void forEachSlot(const StripBody& s, const BatchPoints& slots, Move move) {
+  for (Index k = slots.begin; k < slots.end; ++k) {
+    const Index slot = slots.numbers ? slots.numbers[k] : k;
+    const Index count = (s.points - slot + s.slots - 1) / s.slots;
+    move(slot, count < 4 ? count : 4);
+  }
+}
+
+/// Copies a quantity of points to their slots. The places of missing points get that of the point after the
+/// body's last one.
+void toSlots(const StripBody& s, const BatchPoints& slots, const double* points, Index quantity) {
+  const Quad* p = springBatches(points);
+  forEachSlot(s, slots, [&](Index slot, Index count) {
+    const auto pointOf = [&](Index strip) { return strip < count ? strip * s.slots + slot : s.points; };
+    const Columns c = columns(p[slot], p[pointOf(1)], p[pointOf(2)], p[pointOf(3)]);
+    store(s.numbers + StripBody::kNumbers * slot, quantity, {c.x, c.y, c.z});
+  });
+}
+
+void fromSlots(const StripBody& s, const BatchPoints& slots, Index quantity, double* points) {
+  Quad* p = springBatches(points);
+  forEachSlot(s, slots, [&](Index slot, Index count) {
+    const Rows r = rows(of(s.numbers + StripBody::kNumbers * slot, quantity));
+    for (Index strip = 0; strip < count; ++strip) p[strip * s.slots + slot] = r.row[strip];
+  });
+}
+
+// --- the volume terms ---
+
 /// Does the same as sixVolumes() of verlet_kernel.h, but returns one sum per axis.
 Quad sixBatchVolumes(const VolumeBody v, Index component, const Quad* x) {
   Quad sum = all(Quad(), 0.0);
@@ -170,6 +265,7 @@ void clearBatchForces(const SpringBatchBody& b, const BatchPoints& points) {
 }
 
 void addBatchSprings(const SpringBatchBody& body, Index begin, Index end) {
+  if (body.strips.slots > 0) return addStripForces(body, begin / 4, end / 4);
   const SpringBatchBody b = body;
   for (Index i = begin; i < end; i += 4) addForces(b, i);
 }
@@ -209,9 +305,10 @@ void driftBatchPoints(const SpringBatchBody& b, double dt, const BatchPoints& po
 }
 
 void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, Index begin, Index end) {
+  if (!body.damped) return;
+  const Quad* factors = springBatches(whole ? body.dampFull : body.dampHalf);
+  if (body.strips.slots > 0) return dampStrips(body, factors, forward, begin / 4, end / 4);
   const SpringBatchBody b = body;
-  if (!b.damped) return;
-  const Quad* factors = springBatches(whole ? b.dampFull : b.dampHalf);
   for (Index k = begin / 4; k < end / 4; ++k) {
     const Index g = forward ? k : begin / 4 + end / 4 - 1 - k;
     if (b.apart[g])
@@ -222,17 +319,43 @@ void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, Ind
   leaveKernel();
 }
 
+void loadSlotPositions(const SpringBatchBody& b, const BatchPoints& slots) {
+  toSlots(b.strips, slots, b.position, StripBody::kPosition);
+  const Quad zero = all(Quad(), 0.0);
+  forEachSlot(b.strips, slots, [&](Index slot, Index) {
+    store(b.strips.numbers + StripBody::kNumbers * slot, StripBody::kForce, {zero, zero, zero});
+  });
+}
+
+void unloadSlotForces(const SpringBatchBody& b, const BatchPoints& slots) {
+  fromSlots(b.strips, slots, StripBody::kForce, b.force);
+}
+
+void loadSlotVelocities(const SpringBatchBody& b, const BatchPoints& slots) {
+  toSlots(b.strips, slots, b.velocity, StripBody::kVelocity);
+}
+
+void unloadSlotVelocities(const SpringBatchBody& b, const BatchPoints& slots) {
+  fromSlots(b.strips, slots, StripBody::kVelocity, b.velocity);
+}
+
 namespace {
 
 void computeForces(const SpringBatchPoints& p) {
+  const BatchPoints slots{0, p.b.strips.slots};
   clearBatchForces(p.b, {0, p.b.points});
+  loadSlotPositions(p.b, slots);
   addBatchSprings(p.b, 0, p.b.springs);
+  unloadSlotForces(p.b, slots);
   addBatchVolumes(p.b);
   addBatchTetrahedra(p.b, 0, p.b.tetrahedra.count);
 }
 
 void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
+  const BatchPoints slots{0, p.b.strips.slots};
+  loadSlotVelocities(p.b, slots);
   dampBatchSprings(p.b, whole, forward, 0, p.b.springs);
+  unloadSlotVelocities(p.b, slots);
 }
 
 void kick(const SpringBatchPoints& p, double dt) { kickBatchPoints(p.b, dt, {0, p.b.points}); }

@@ -22,6 +22,11 @@ struct Rows {
   Quad row[4];
 };
 
+using UnalignedQuad = double __attribute__((vector_size(32), aligned(8), may_alias));
+
+Quad fourAt(const double* numbers) { return *reinterpret_cast<const UnalignedQuad*>(numbers); }
+void store(double* numbers, Quad q) { *reinterpret_cast<UnalignedQuad*>(numbers) = q; }
+
 double total(Quad q) { return q[0] + (q[1] + q[2]); }
 
 template <int i>

@@ -44,6 +44,13 @@ struct Rows {
   Quad row[4];
 };
 
+Quad fourAt(const double* numbers) { return {vld1q_f64(numbers), vld1q_f64(numbers + 2)}; }
+
+void store(double* numbers, Quad q) {
+  vst1q_f64(numbers, q.low);
+  vst1q_f64(numbers + 2, q.high);
+}
+
 double total(Quad q) {
   return vgetq_lane_f64(q.low, 0) + (vgetq_lane_f64(q.low, 1) + vgetq_lane_f64(q.high, 0));
 }

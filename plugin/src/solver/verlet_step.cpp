@@ -3,7 +3,7 @@
 #include "solver/verlet_step.h"
 
 #include "solver/contacts.h"
-#include "solver/simd_steps.h"
+#include "solver/spring_batches.h"
 
 #include <algorithm>
 #include <atomic>
@@ -70,6 +70,11 @@ kernel::BatchPoints pointsOf(const BatchedBody& body, const BodyPart& part) {
   return {part.begin, part.end, (*body.stepped->springs)->division.points.data()};
 }
 
+kernel::BatchPoints slotsOf(const BatchedBody& body, const BodyPart& part) {
+  if (part.isWhole()) return {0, body.springBatches.strips.slots};
+  return {part.begin, part.end, (*body.stepped->springs)->division.slots.data()};
+}
+
 void clearForces(BatchedBody& body, const BodyPart& part) {
   if (body.inBatches) kernel::clearBatchForces(body.springBatches, pointsOf(body, part));
 }
@@ -79,7 +84,9 @@ void addForces(BatchedBody& body, const BodyPart& part) {
   const kernel::SpringBatchBody& b = body.springBatches;
   if (!part.isWhole()) return kernel::addBatchSprings(b, part.begin, part.end);
   if (!body.inBatches) return computeElasticForces(*body.stepped);
+  kernel::loadSlotPositions(b, slotsOf(body, part));
   kernel::addBatchSprings(b, 0, b.springs);
+  kernel::unloadSlotForces(b, slotsOf(body, part));
   kernel::addBatchVolumes(b);
   kernel::addBatchTetrahedra(b, 0, b.tetrahedra.count);
 }
@@ -90,18 +97,21 @@ void kick(BatchedBody& body, const BodyPart& part, double dt) {
   kernel::kickBatchPoints(b, dt, pointsOf(body, part));
 }
 
-/// Also clears the forces.
 void drift(BatchedBody& body, const BodyPart& part, double dt) {
   const kernel::SpringBatchBody& b = body.springBatches;
   if (!body.inBatches) return kernel::drift(kernelPoints(*body.stepped->points), dt);
   kernel::driftBatchPoints(b, dt, pointsOf(body, part));
-  clearForces(body, part);
 }
 
 void damp(BatchedBody& body, const BodyPart& part, bool whole, bool forward) {
   const kernel::SpringBatchBody& b = body.springBatches;
-  if (body.inBatches)
-    return kernel::dampBatchSprings(b, whole, forward, part.begin, part.isWhole() ? b.springs : part.end);
+  if (body.inBatches && !part.isWhole())
+    return kernel::dampBatchSprings(b, whole, forward, part.begin, part.end);
+  if (body.inBatches) {
+    kernel::loadSlotVelocities(b, slotsOf(body, part));
+    kernel::dampBatchSprings(b, whole, forward, 0, b.springs);
+    return kernel::unloadSlotVelocities(b, slotsOf(body, part));
+  }
   SpringArrays& springs = *body.stepped->springs;
   dampSprings(springs, whole ? springs.dampFull : springs.dampHalf,
               forward ? SweepOrder::Forward : SweepOrder::Backward, *body.stepped->points);
@@ -112,21 +122,32 @@ void damp(BatchedBody& body, const BodyPart& part, bool whole, bool forward) {
 /// Points whose contacts are one task: enough work for a thread, and few enough for an even load.
 constexpr std::uint32_t kContactPoints = 128;
 
-/// Adds the parts of a divided body. The last range includes the springs, or tetrahedra, that fill up the
-/// last batch.
+/// Returns the batches of springs or tetrahedra of a range as a part. The last range of `count` elements
+/// includes those that fill up the last batch.
+BodyPart partOf(std::uint32_t number, const Division& division, const Range& range, std::uint32_t count) {
+  const std::vector<std::uint32_t>& places = division.strips.places;
+  if (places.empty()) return {number, range.begin, range.end == division.order.size() ? count : range.end};
+  if (range.begin == range.end) return {number, 0, 0};
+  return {number, places[range.begin] / 4 * 4, (places[range.end - 1] / 4 + 1) * 4};
+}
+
+/// Adds the parts of a divided body.
 void addParts(std::uint32_t number, const BatchedBody& body, StepParts& parts) {
   const auto addRanges = [&](const Division& division, std::uint32_t count, auto& phases) {
     for (std::size_t phase = 0; phase < Division::kPhases; ++phase)
       for (const Range& range : division.phases[phase])
-        phases[phase].push_back(
-            {number, range.begin, range.end == division.order.size() ? count : range.end});
+        phases[phase].push_back(partOf(number, division, range, count));
   };
   const SolverBody& b = *body.stepped;
-  addRanges((*b.springs)->division, body.springBatches.springs, parts.springs);
+  const Division& springs = (*b.springs)->division;
+  addRanges(springs, body.springBatches.springs, parts.springs);
   if (b.tetrahedra)
     addRanges((*b.tetrahedra)->division, body.springBatches.tetrahedra.count, parts.tetrahedra);
-  for (const Range& range : (*b.springs)->division.pointRanges)
-    parts.points.push_back({number, range.begin, range.end});
+  for (const Range& range : springs.pointRanges) parts.points.push_back({number, range.begin, range.end});
+  for (std::size_t i = 0; i < springs.pointRanges.size(); ++i) {
+    const Range range = springs.strips.length > 0 ? springs.slotRanges[i] : Range{0, 0};
+    parts.slots.push_back({number, range.begin, range.end});
+  }
   const auto points = static_cast<std::uint32_t>(b.points->position.cols());
   parts.divided.push_back(number);
   if (!mayTouch(b)) return;
@@ -137,6 +158,7 @@ void addParts(std::uint32_t number, const BatchedBody& body, StepParts& parts) {
 void makeParts(SolverIsland& group) {
   StepParts& parts = group.parts;
   parts.points.clear();
+  parts.slots.clear();
   parts.contacts.clear();
   parts.divided.clear();
   for (auto* phases : {&parts.springs, &parts.tetrahedra})
@@ -147,6 +169,7 @@ void makeParts(SolverIsland& group) {
   for (std::uint32_t i = 0; i < group.inStep.size(); ++i) {
     if (isDivided(group.inStep[i])) continue;
     parts.points.push_back({i});
+    parts.slots.push_back({i});
     parts.springs[0].push_back({i});
   }
   for (std::uint32_t i = 0; i < group.inStep.size(); ++i)
@@ -211,11 +234,31 @@ void estimateErrors(SolverIsland& group, double dt) {
   }
 }
 
-/// Adds all forces but those of the springs of the first phase.
+/// Calls visit(springBatches, slots) for the slots of divided bodies, on all threads.
+template <class Visit>
+void forEachSlab(SolverIsland& group, Team& team, Visit visit) {
+  if (group.parts.divided.empty()) return;
+  forEach(group, team, group.parts.slots, [&](BatchedBody& body, const BodyPart& part) {
+    if (!part.isWhole()) visit(body.springBatches, slotsOf(body, part));
+  });
+}
+
+/// Clears the forces and adds those of the springs of the first phase. The springs inside a slab need no
+/// other slab.
+void startForces(SolverIsland& group, std::uint32_t i) {
+  const StepParts& parts = group.parts;
+  BatchedBody& body = group.inStep[parts.points[i].body];
+  clearForces(body, parts.points[i]);
+  if (!parts.slots[i].isWhole()) kernel::loadSlotPositions(body.springBatches, slotsOf(body, parts.slots[i]));
+  addForces(body, parts.springs[0][i]);
+}
+
+/// Adds all forces but those of startForces().
 void addOtherForces(SolverIsland& group, Team& team) {
   for (std::size_t phase = 1; phase < Division::kPhases; ++phase)
     forEach(group, team, group.parts.springs[phase],
             [](BatchedBody& body, const BodyPart& part) { addForces(body, part); });
+  forEachSlab(group, team, kernel::unloadSlotForces);
   team.forEach(static_cast<std::uint32_t>(group.parts.divided.size()), [&](std::uint32_t i) {
     kernel::addBatchVolumes(group.inStep[group.parts.divided[i]].springBatches);
   });
@@ -230,13 +273,12 @@ void addOtherForces(SolverIsland& group, Team& team) {
   addLinkForces(group.links);
 }
 
-/// Drifts, and computes the forces at the new positions. The springs inside a slab need no other slab.
+/// Drifts, and computes the forces at the new positions.
 void driftAndComputeForces(SolverIsland& group, Team& team, double dt) {
   StepParts& parts = group.parts;
   team.forEach(static_cast<std::uint32_t>(parts.points.size()), [&](std::uint32_t i) {
-    BatchedBody& body = group.inStep[parts.points[i].body];
-    drift(body, parts.points[i], dt);
-    addForces(body, parts.springs[0][i]);
+    drift(group.inStep[parts.points[i].body], parts.points[i], dt);
+    startForces(group, i);
   });
   for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
   driftLinks(group.links, dt);
@@ -245,18 +287,17 @@ void driftAndComputeForces(SolverIsland& group, Team& team, double dt) {
 
 void computeForces(SolverIsland& group, Team& team) {
   StepParts& parts = group.parts;
-  team.forEach(static_cast<std::uint32_t>(parts.points.size()), [&](std::uint32_t i) {
-    BatchedBody& body = group.inStep[parts.points[i].body];
-    clearForces(body, parts.points[i]);
-    addForces(body, parts.springs[0][i]);
-  });
+  team.forEach(static_cast<std::uint32_t>(parts.points.size()),
+               [&](std::uint32_t i) { startForces(group, i); });
   addOtherForces(group, team);
 }
 
 void damp(SolverIsland& group, Team& team, double dt, bool whole, bool forward) {
+  forEachSlab(group, team, kernel::loadSlotVelocities);
   for (std::size_t k = 0; k < Division::kPhases; ++k)
     forEach(group, team, group.parts.springs[forward ? k : Division::kPhases - 1 - k],
             [&](BatchedBody& body, const BodyPart& part) { damp(body, part, whole, forward); });
+  forEachSlab(group, team, kernel::unloadSlotVelocities);
   dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
 }
 

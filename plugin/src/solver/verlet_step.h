@@ -44,7 +44,7 @@ struct SolverBody {
   TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
   SpringBatchArrays* springBatches =
-      nullptr;  ///< to step it four springs at a time, see simd_steps.h; may be nullptr
+      nullptr;  ///< to step it four springs at a time, see spring_batches.h; may be nullptr
 
   ContactWatch* watch = nullptr;  ///< may be nullptr
   PointDrag* drag = nullptr;      ///< nullptr: none
@@ -92,6 +92,7 @@ struct BodyPart {
 /// The tasks of a step. Only bodies that several threads step are divided (see division.h).
 struct StepParts {
   std::vector<BodyPart> points;    ///< of Division::points, if divided
+  std::vector<BodyPart> slots;     ///< #points, of Division::slots, if divided; empty ones without strips
   std::vector<BodyPart> contacts;  ///< ranges of points whose plane contacts are solved by one task
   std::array<std::vector<BodyPart>, Division::kPhases> springs, tetrahedra;  ///< by phase
   std::vector<std::uint32_t> divided;                                        ///< numbers of bodies

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Zlib
+// Copies a body into the arrays of the kernel that computes four springs at a time, and back.
+#include "solver/spring_batches.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#if !defined(LIMBER_HAS_X86_LANES) && !defined(LIMBER_HAS_NEON_LANES)
+namespace limber::kernel {
+// never called, see canStepSpringBatches()
+double stepSpringBatches(const SpringBatchBody&, double, int) { return 0.0; }
+void clearBatchForces(const SpringBatchBody&, const BatchPoints&) {}
+void addBatchSprings(const SpringBatchBody&, unsigned, unsigned) {}
+void addBatchVolumes(const SpringBatchBody&) {}
+void addBatchTetrahedra(const SpringBatchBody&, unsigned, unsigned) {}
+void kickBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
+void driftBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
+void dampBatchSprings(const SpringBatchBody&, bool, bool, unsigned, unsigned) {}
+void loadSlotPositions(const SpringBatchBody&, const BatchPoints&) {}
+void unloadSlotForces(const SpringBatchBody&, const BatchPoints&) {}
+void loadSlotVelocities(const SpringBatchBody&, const BatchPoints&) {}
+void unloadSlotVelocities(const SpringBatchBody&, const BatchPoints&) {}
+}  // namespace limber::kernel
+#endif
+
+namespace limber {
+namespace {
+
+using kernel::StripBody;
+
+std::size_t filledUp(std::size_t springs) { return (springs + 3) / 4 * 4; }
+
+/// Returns the number of springs with those that fill up batches.
+std::size_t entriesOf(const SpringArrays& springs) {
+  const Strips& strips = springs->division.strips;
+  return strips.length > 0 ? 4 * strips.batches.size() : filledUp(springs.size());
+}
+
+void reserve(SpringBatchArrays& q, std::size_t points, std::size_t springs) {
+  for (auto* array : {&q.position, &q.velocity, &q.acceleration, &q.inverseMass, &q.force, &q.earlierForce})
+    reserveNumbers(*array, 4 * points);
+  for (auto* array : {&q.restLength, &q.extensionStiffness, &q.compressionStiffness, &q.inverseLength,
+                      &q.dampHalf, &q.dampFull})
+    reserveNumbers(*array, springs);
+  q.a.assign(springs, 0);
+  q.b.assign(springs, 0);
+  q.apart.assign(springs / 4, 1);
+}
+
+bool shareNoPoint(const unsigned* a, const unsigned* b) {
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < i; ++j)
+      if (a[i] == a[j] || a[i] == b[j] || b[i] == a[j] || b[i] == b[j]) return false;
+  return true;
+}
+
+void loadBatches(SpringBatchArrays& q, const SpringArrays& springs, unsigned points) {
+  std::copy(springs->a.begin(), springs->a.end(), q.a.begin());
+  std::copy(springs->b.begin(), springs->b.end(), q.b.begin());
+  std::fill(q.a.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.a.end(), points);
+  std::fill(q.b.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.b.end(), points + 1);
+  for (std::size_t g = 0; g < q.apart.size(); ++g) q.apart[g] = shareNoPoint(&q.a[4 * g], &q.b[4 * g]);
+}
+
+void loadStrips(SpringBatchArrays& q, const Strips& strips) {
+  reserveNumbers(q.slots, StripBody::kNumbers * (strips.length + std::size_t{1}));
+  for (std::size_t i = 0; i < strips.batches.size(); ++i) {
+    const Strips::Batch& batch = strips.batches[i];
+    q.a[i] = StripBody::kNumbers * batch.a;
+    q.b[i] = StripBody::kNumbers * batch.b + batch.shift;
+  }
+}
+
+void loadTopology(SpringBatchArrays& q, const SpringArrays& springs, unsigned points) {
+  reserve(q, points + 2, entriesOf(springs));
+  numbers(q.position)[4 * (points + 1)] = 1.0;
+  if (springs->division.strips.length > 0)
+    loadStrips(q, springs->division.strips);
+  else
+    loadBatches(q, springs, points);
+}
+
+void loadSprings(SpringBatchArrays& q, const SpringArrays& springs) {
+  const std::vector<std::uint32_t>& places = springs->division.strips.places;
+  const auto copy = [&](const std::vector<double>& from, AlignedNumbers& to) {
+    if (places.empty())
+      std::copy(from.begin(), from.end(), numbers(to));
+    else
+      for (std::size_t i = 0; i < from.size(); ++i) numbers(to)[places[i]] = from[i];
+  };
+  copy(springs->restLength, q.restLength);
+  copy(springs->extensionStiffness, q.extensionStiffness);
+  copy(springs->compressionStiffness, q.compressionStiffness);
+  copy(springs.dampHalf, q.dampHalf);
+  copy(springs.dampFull, q.dampFull);
+  q.sameStiffness = springs->extensionStiffness == springs->compressionStiffness;
+  q.revision = springs.revision;
+}
+
+/// Inverse masses of slots keep those of missing points at 0.
+void loadInverseMasses(SpringBatchArrays& q, const Points& inverseMass, std::uint32_t length) {
+  double* target = numbers(q.slots) + StripBody::kInverseMass;
+  for (Eigen::Index i = 0; i < inverseMass.cols(); ++i) {
+    const Eigen::Index first = StripBody::kNumbers * (i % length) + i / length;
+    for (Eigen::Index c = 0; c < 3; ++c) target[first + 4 * c] = inverseMass(c, i);
+  }
+}
+
+void toBatches(const Points& from, AlignedNumbers& to) {
+  double* target = numbers(to);
+  for (Eigen::Index i = 0; i < from.cols(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) target[4 * i + c] = from(c, i);
+}
+
+void fromBatches(AlignedNumbers& from, Points& to) {
+  const double* source = numbers(from);
+  for (Eigen::Index i = 0; i < to.cols(); ++i)
+    for (Eigen::Index c = 0; c < 3; ++c) to(c, i) = source[4 * i + c];
+}
+
+void load(SpringBatchArrays& q, const PointState& state, const SpringArrays& springs) {
+  if (q.position.empty() || q.a.size() != entriesOf(springs))
+    loadTopology(q, springs, static_cast<unsigned>(state.position.cols()));
+  if (q.revision != springs.revision) loadSprings(q, springs);
+  toBatches(state.position, q.position);
+  toBatches(state.velocity, q.velocity);
+  toBatches(state.acceleration, q.acceleration);
+  toBatches(state.inverseMass, q.inverseMass);
+  if (const std::uint32_t length = springs->division.strips.length; length > 0)
+    loadInverseMasses(q, state.inverseMass, length);
+}
+
+kernel::VolumeBody batchVolumes(SpringBatchArrays& q, VolumeArrays* volumes) {
+  if (!volumes) return {};
+  reserveNumbers(q.gradient, q.position.size() * 8);
+  reserveNumbers(q.sums, 8 * (*volumes)->restVolume.size());
+  kernel::VolumeBody body = volumeBody(*volumes);
+  body.gradient = numbers(q.gradient), body.sums = numbers(q.sums);
+  return body;
+}
+
+kernel::TetrahedronBody batchTetrahedra(SpringBatchArrays& q, const TetrahedronVolumes* tetrahedra) {
+  if (!tetrahedra) return {};
+  const std::size_t count = filledUp((*tetrahedra)->tetrahedra.size());
+  if (q.corners.size() != 4 * count) {
+    reserveNumbers(q.inverseRest, count);
+    reserveNumbers(q.stabilityScale, count);
+    q.corners.assign(4 * count, static_cast<unsigned>(q.position.size() * 2 - 2));
+    const unsigned* corners = (*tetrahedra)->tetrahedra.front().data();
+    std::copy(corners, corners + 4 * (*tetrahedra)->tetrahedra.size(), q.corners.begin());
+    std::copy((*tetrahedra)->inverseRest.begin(), (*tetrahedra)->inverseRest.end(), numbers(q.inverseRest));
+  }
+  std::copy(tetrahedra->stabilityScale.begin(), tetrahedra->stabilityScale.end(), numbers(q.stabilityScale));
+  kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
+  body.count = static_cast<unsigned>(count);
+  body.corners = q.corners.data();
+  body.inverseRest = numbers(q.inverseRest), body.stabilityScale = numbers(q.stabilityScale);
+  return body;
+}
+
+StripBody stripBody(SpringBatchArrays& q, const SolverBody& body) {
+  const std::uint32_t length = (*body.springs)->division.strips.length;
+  if (length == 0) return {};
+  return {length, static_cast<unsigned>(body.points->position.cols()), numbers(q.slots)};
+}
+
+kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::ContactCalls* contacts) {
+  SpringBatchArrays& q = *stepped.springBatches;
+  kernel::SpringBatchBody body;
+  body.points = static_cast<unsigned>(q.position.size() * 2);
+  body.springs = static_cast<unsigned>(q.a.size());
+  body.a = q.a.data(), body.b = q.b.data(), body.apart = q.apart.data();
+  body.strips = stripBody(q, stepped);
+  body.position = numbers(q.position), body.velocity = numbers(q.velocity);
+  body.force = numbers(q.force), body.earlierForce = numbers(q.earlierForce);
+  body.acceleration = numbers(q.acceleration), body.inverseMass = numbers(q.inverseMass);
+  body.restLength = numbers(q.restLength);
+  body.extensionStiffness = numbers(q.extensionStiffness);
+  // if both are the same, the kernel reads one array less
+  body.compressionStiffness = numbers(q.sameStiffness ? q.extensionStiffness : q.compressionStiffness);
+  body.inverseLength = numbers(q.inverseLength);
+  body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
+  body.volumes = batchVolumes(q, stepped.volumes);
+  body.tetrahedra = batchTetrahedra(q, stepped.tetrahedra);
+  body.damped = (*stepped.springs)->damped;
+  body.contacts = contacts;
+  return body;
+}
+
+}  // namespace
+
+bool canStepSpringBatches() { return isAvailable(InstructionSet::Avx2) || isAvailable(InstructionSet::Neon); }
+
+kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts) {
+  load(*body.springBatches, *body.points, *body.springs);
+  return springBatchBody(body, contacts);
+}
+
+void unloadSpringBatches(SolverBody& body) {
+  fromBatches(body.springBatches->position, body.points->position);
+  fromBatches(body.springBatches->velocity, body.points->velocity);
+}
+
+PointView viewOf(SpringBatchArrays& springBatches) {
+  return {numbers(springBatches.position),
+          numbers(springBatches.velocity),
+          numbers(springBatches.inverseMass),
+          1,
+          4,
+          numbers(springBatches.force),
+          numbers(springBatches.earlierForce)};
+}
+
+void stepSpringBatches(SolverBody& body, double tick, int substeps) {
+  kernel::ContactCalls calls{};
+  const kernel::SpringBatchBody springBatches = loadSpringBatches(body, &calls);
+  BodyContacts contacts{&body, viewOf(*body.springBatches), tick / substeps};
+  calls = contacts.calls();
+  const double change = kernel::stepSpringBatches(springBatches, tick, substeps);
+  unloadSpringBatches(body);
+  body.errorRate = verletErrorRate(change, body.points->position.cols(), tick / substeps);
+}
+
+}  // namespace limber
