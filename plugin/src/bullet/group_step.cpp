@@ -151,15 +151,24 @@ MotionRates ratesOf(LinkedGroup& group, double tick) {
   return rates;
 }
 
+bool isNear(const PlaneContact& row) { return !row.away; }
+
+/// Whether a point may reach a surface in the tick. Rows of surfaces farther away exist where surfaces are
+/// followed, but not where they are flat, and must not change the way in which a body is stepped.
+bool anyNear(const SoftBodyData& body) {
+  return std::any_of(body.contacts.begin(), body.contacts.end(), isNear);
+}
+
 /// Returns the largest speed (m/s) at which the body approaches what it touches, or at which its points move
 /// relative to each other while it does. In an island the whole velocity counts, because the others' are not
 /// known here.
 double impactSpeed(SoftBodyData& body, bool inIsland) {
-  if (!inIsland && body.contacts.empty()) return 0.0;
+  if (!inIsland && !anyNear(body)) return 0.0;
   const MotionSums& sums = sumsOf(body);
   double approach = inIsland ? Eigen::Vector3d(sums.meanVelocity).norm() : 0.0;
   for (const PlaneContact& row : body.contacts)
-    approach = std::max(approach, row.normal.dot(row.surfaceVelocity - body.state.velocity.col(row.point)));
+    if (isNear(row))
+      approach = std::max(approach, row.normal.dot(row.surfaceVelocity - body.state.velocity.col(row.point)));
   return std::max(approach, std::sqrt(sums.fastest));
 }
 
@@ -174,7 +183,7 @@ SteppingProblem problemOf(LinkedGroup& group, double tick) {
     p.errorCoefficient = std::max(p.errorCoefficient, body->errorCoefficient);
     p.impactSpeed = std::max(p.impactSpeed, impactSpeed(*body, group.inIsland));
     p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
-    p.touching = p.touching || !body->contacts.empty();
+    p.touching = p.touching || anyNear(*body);
     p.narrow = body->model->narrow;
     p.cheapNewton = body->model->cheapNewton;
   }
@@ -255,7 +264,8 @@ bool isForceScaled(LinkedGroup& group, double tick) {
 }
 
 bool bounces(const std::vector<PlaneContact>& rows) {
-  return std::any_of(rows.begin(), rows.end(), [](const PlaneContact& row) { return row.restitution > 0.0; });
+  return std::any_of(rows.begin(), rows.end(),
+                     [](const PlaneContact& row) { return isNear(row) && row.restitution > 0.0; });
 }
 
 /// Returns whether the group is one body whose held points, if any, are at rest: their holders do no work.
@@ -294,7 +304,7 @@ void startEnergyLimit(LinkedGroup& group, double tick) {
   const SoftBodyData& single = *group.bodies[0];
   const bool cut = group.cut && group.stepper == Stepper::Verlet;
   const bool lasting = (cut || bounces(single.contacts)) && areSurfacesAtRest(single.contacts);
-  const bool once = single.contacts.empty() && isFolded(single);
+  const bool once = !anyNear(single) && isFolded(single);
   const bool free = (lasting || once) && isFreeBody(group);
   guard(group, free && lasting, free && once);
   for (SoftBodyData* body : group.bodies)
@@ -431,7 +441,8 @@ void chooseStepping(LinkedGroup& group, double tick) {
 }
 
 void limitIslandEnergy(LinkedGroup& group, bool alone, bool joined) {
-  guard(group, alone && group.stepping.maxSubsteps > 0 && isFreeBody(group), false);
+  const auto isInexact = [&] { return group.stepping.maxSubsteps > 0 || bounces(group.bodies[0]->contacts); };
+  guard(group, alone && isInexact() && isFreeBody(group), false);
   measureDrag(group, joined);
 }
 

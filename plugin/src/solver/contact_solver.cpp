@@ -180,8 +180,7 @@ void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstrain
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;
   const double approach = -speedAlong(rows, row);
-  // `lastSpeed` belongs to an earlier normal where the surface is followed
-  const double before = c.held || c.corners.count > 0 || c.spheres > 0.0 ? approach : -row.lastSpeed;
+  const double before = -along(row.axes[0], {row.lastVelocity[0], row.lastVelocity[1], row.lastVelocity[2]});
   addBounce(row, c, row.gap, approach, before, dt);
   if (row.bounces) row.softness = 0.0, row.maxWork = HUGE_VAL;
 }
@@ -465,7 +464,7 @@ int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies, Team& team) {
   });
   const int sweeps = Solve{rows, bodies, team, Stage::Velocities}.run();
   forEachRow(rows, team, [&](std::size_t i) {
-    if (contactOf(rows, i).restitution > 0.0) rows.rows[i].lastSpeed = speedAlong(rows, rows.rows[i]);
+    if (contactOf(rows, i).restitution > 0.0) keepVelocity(rows, rows.rows[i]);
   });
   return sweeps;
 }

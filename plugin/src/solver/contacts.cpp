@@ -416,7 +416,8 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   divideRows(rows, bodies);
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
     prepareRow(rows, rows.rows[i], contactOf(rows, i), bodies);
-  for (ContactConstraint& row : rows.rows) row.lastSpeed = speedAlong(rows, row);
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    if (contactOf(rows, i).restitution > 0.0) keepVelocity(rows, rows.rows[i]);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }
 
@@ -434,7 +435,9 @@ Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& veloci
 void followContacts(IslandConstraints& rows, const LinkedBodies& bodies, Team& team, double dt) {
   forEachRow(rows, team, [&](std::size_t i) {
     const Contact& c = contactOf(rows, i);
-    if (c.ended) return;
+    // a bounce ends along the normal along which it began: by then the point has left the surface
+    const bool isBouncing = dt == 0.0 && rows.rows[i].bounces;
+    if (c.ended || isBouncing) return;
     if (c.held)
       followPlane(rows, i);
     else if (c.corners.count > 0)

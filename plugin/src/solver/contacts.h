@@ -148,7 +148,8 @@ struct alignas(64) ContactConstraint : ContactTarget {
   double gap;                    ///< m
   double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
   double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
-  double lastSpeed;              ///< m/s along the normal, at the end of the last substep
+  double lastVelocity[3];        ///< m/s, of side a relative to b at the end of the last substep; of contacts
+                                 ///< with restitution
   double softness;               ///< see kSoftness (contact_solver.cpp)
   double mass, mobility;         ///< kg along the normal, and its inverse; both 0: neither side can be moved
   double acrossSoftness;         ///< 1/kg, speed per change of friction since the last substep
@@ -392,6 +393,13 @@ inline double speedAlong(const IslandConstraints& rows, const ContactConstraint&
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i)
     speed += along(rows.rotations[i].speeds[0], angularVelocityOf(rows.rotations[i]));
   return speed;
+}
+
+/// Sets `lastVelocity`, in world axes: the normal may change.
+inline void keepVelocity(const IslandConstraints& rows, ContactConstraint& row) {
+  const ContactVector speeds = speedsOf(rows, row);
+  for (int k = 0; k < 3; ++k)
+    row.lastVelocity[k] = row.axes[0][k] * speeds.n + row.axes[1][k] * speeds.u + row.axes[2][k] * speeds.v;
 }
 
 /// Applies an impulse to both sides.
