@@ -144,8 +144,8 @@ struct BodyState {
   std::vector<double> mass;                               ///< #points, kg; of pinned points, that before
   std::vector<std::uint8_t> pinned;                       ///< #points
   std::vector<double> pinTarget;                          ///< 3 x #points, m; 0 where not pinned
-  std::vector<double> yieldedLength;                      ///< #springs, m, or empty
-  std::vector<std::uint8_t> broken;                       ///< #springs, or empty
+  std::vector<double> yieldedLength;                      ///< #springs, in the network's order, m, or empty
+  std::vector<std::uint8_t> broken;                       ///< #springs, likewise, or empty
   Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();
   bool asleep = false;
   double calmTime = 0.0, softenedTo = 0.0, errorPerSecond = 0.0, errorCoefficient = 0.0;
@@ -264,8 +264,13 @@ void savePoints(const SoftBodyData& body, BodyState& s) {
 
 void saveSprings(const SoftBodyData& body, BodyState& s) {
   if (const SpringConstants* own = body.springs.yielded.get()) {
-    s.yieldedLength = own->restLength;
-    for (std::size_t i = 0; i < body.springs.size(); ++i) s.broken.push_back(isBroken(body.springs, i));
+    s.yieldedLength.resize(body.springs.size());
+    s.broken.resize(body.springs.size());
+    for (std::size_t i = 0; i < body.springs.size(); ++i) {
+      const std::uint32_t spring = own->division.order[i];
+      s.yieldedLength[spring] = own->restLength[i];
+      s.broken[spring] = isBroken(body.springs, i);
+    }
   }
   if (!body.softening) return;
   s.softenedTo = body.softening->largest;
@@ -361,9 +366,11 @@ void restoreSprings(SoftBodyData& body, const BodyState& s) {
   if (s.softenedTo > 0.0) softenTo(body, s.softenedTo, pointsOf(s.softenedMass));
   if (s.broken.empty()) return;
   body.springs.yielded = std::make_shared<SpringConstants>(*body.springs.original);
-  body.springs.yielded->restLength = s.yieldedLength;
-  for (std::size_t i = 0; i < s.broken.size(); ++i)
-    if (s.broken[i]) breakSpring(body.springs, i);
+  for (std::size_t i = 0; i < s.broken.size(); ++i) {
+    const std::uint32_t spring = body.springs->division.order[i];
+    body.springs.yielded->restLength[i] = s.yieldedLength[spring];
+    if (s.broken[spring]) breakSpring(body.springs, i);
+  }
 }
 
 void restoreImpulses(SoftBodyData& body, const BodyState& s) {
