@@ -213,11 +213,13 @@ double highestSpeed(const Run& run, double dt) {
 
 /// Returns the story with 30 or more substeps per period of the stiffest oscillation, because the errors that
 /// tolerances allow differ from tick to tick. Continuous collision is on: without it, a contact that was not
-/// predicted at the start of a tick is found only at the start of the next one.
-Story withFineSubsteps(Story story, double periodTolerance) {
+/// predicted at the start of a tick is found only at the start of the next one. With `shorter` as factor there
+/// are so many times as many, also of soft bodies, which have no more than the least number.
+Story withFineSubsteps(Story story, double shorter = 1.0) {
   return changed(std::move(story), [=](Step& s) {
     if (s.kind != Kind::Soft) return;
-    s.set("period", periodTolerance).set("tolerance", 0).set("relative", 0).set("budget", 0).set("ccd", 1);
+    s.set("period", 2e-3 / (shorter * shorter)).set("at-least", shorter * s["at-least"]);
+    s.set("tolerance", 0).set("relative", 0).set("budget", 0).set("ccd", 1);
   });
 }
 
@@ -344,8 +346,8 @@ std::vector<double> allowedByNudge(const Story& story, const Run& run) {
 /// of up to a substep, and so the speed after them, to 1 %. The change with shorter substeps shows how much
 /// such errors grow in this story.
 std::optional<Failure> checkHalfTicks(const Story& story) {
-  const Story fine = withFineSubsteps(story, 2e-3);
-  const Run run = play(fine), finer = play(withFineSubsteps(story, 5e-4));
+  const Story fine = withFineSubsteps(story);
+  const Run run = play(fine), finer = play(withFineSubsteps(story, 2.0));
   for (const Run* r : {&run, &finer})
     if (r->failure) return Failure{"law-finely", r->failure->law + ", " + r->failure->detail};
   const double dt = story.first(Kind::Time)["dt"];

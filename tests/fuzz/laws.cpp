@@ -80,7 +80,8 @@ std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run
 /// Returns the story with substeps at most a quarter as long.
 Story inShorterSubsteps(Story story) {
   for (Step& s : story.steps)
-    if (s.kind == Kind::Soft) s.set("period", s["period"] / 16.0).set("budget", 0);
+    if (s.kind == Kind::Soft)
+      s.set("period", s["period"] / 16.0).set("at-least", 4.0 * s["at-least"]).set("budget", 0);
   return story;
 }
 
