@@ -213,8 +213,8 @@ double highestSpeed(const Run& run, double dt) {
 
 /// Returns the story with 30 or more substeps per period of the stiffest oscillation, because the errors that
 /// tolerances allow differ from tick to tick. Continuous collision is on: without it, a contact that was not
-/// predicted at the start of a tick is found only at the start of the next one. With `shorter` as factor there
-/// are so many times as many, also of soft bodies, which have no more than the least number.
+/// predicted at the start of a tick is found only at the start of the next one. With `shorter` as factor
+/// there are so many times as many, also of soft bodies, which have no more than the least number.
 Story withFineSubsteps(Story story, double shorter = 1.0) {
   return changed(std::move(story), [=](Step& s) {
     if (s.kind != Kind::Soft) return;

@@ -70,9 +70,15 @@ kernel::BatchPoints pointsOf(const BatchedBody& body, const BodyPart& part) {
   return {part.begin, part.end, (*body.stepped->springs)->division.points.data()};
 }
 
+/// Returns the slots of the points of a part: all of a whole body, or those of a range of the division; none
+/// without strips.
 kernel::BatchPoints slotsOf(const BatchedBody& body, const BodyPart& part) {
   if (part.isWhole()) return {0, body.springBatches.strips.slots};
-  return {part.begin, part.end, (*body.stepped->springs)->division.slots.data()};
+  const Division& division = (*body.stepped->springs)->division;
+  if (division.strips.length == 0) return {0, 0};
+  std::size_t slab = 0;
+  while (division.pointRanges[slab].begin != part.begin) ++slab;
+  return {division.slotRanges[slab].begin, division.slotRanges[slab].end, division.slots.data()};
 }
 
 void clearForces(BatchedBody& body, const BodyPart& part) {
@@ -144,10 +150,6 @@ void addParts(std::uint32_t number, const BatchedBody& body, StepParts& parts) {
   if (b.tetrahedra)
     addRanges((*b.tetrahedra)->division, body.springBatches.tetrahedra.count, parts.tetrahedra);
   for (const Range& range : springs.pointRanges) parts.points.push_back({number, range.begin, range.end});
-  for (std::size_t i = 0; i < springs.pointRanges.size(); ++i) {
-    const Range range = springs.strips.length > 0 ? springs.slotRanges[i] : Range{0, 0};
-    parts.slots.push_back({number, range.begin, range.end});
-  }
   const auto points = static_cast<std::uint32_t>(b.points->position.cols());
   parts.divided.push_back(number);
   if (!mayTouch(b)) return;
@@ -158,7 +160,6 @@ void addParts(std::uint32_t number, const BatchedBody& body, StepParts& parts) {
 void makeParts(SolverIsland& group) {
   StepParts& parts = group.parts;
   parts.points.clear();
-  parts.slots.clear();
   parts.contacts.clear();
   parts.divided.clear();
   for (auto* phases : {&parts.springs, &parts.tetrahedra})
@@ -169,7 +170,6 @@ void makeParts(SolverIsland& group) {
   for (std::uint32_t i = 0; i < group.inStep.size(); ++i) {
     if (isDivided(group.inStep[i])) continue;
     parts.points.push_back({i});
-    parts.slots.push_back({i});
     parts.springs[0].push_back({i});
   }
   for (std::uint32_t i = 0; i < group.inStep.size(); ++i)
@@ -238,7 +238,7 @@ void estimateErrors(SolverIsland& group, double dt) {
 template <class Visit>
 void forEachSlab(SolverIsland& group, Team& team, Visit visit) {
   if (group.parts.divided.empty()) return;
-  forEach(group, team, group.parts.slots, [&](BatchedBody& body, const BodyPart& part) {
+  forEach(group, team, group.parts.points, [&](BatchedBody& body, const BodyPart& part) {
     if (!part.isWhole()) visit(body.springBatches, slotsOf(body, part));
   });
 }
@@ -249,7 +249,8 @@ void startForces(SolverIsland& group, std::uint32_t i) {
   const StepParts& parts = group.parts;
   BatchedBody& body = group.inStep[parts.points[i].body];
   clearForces(body, parts.points[i]);
-  if (!parts.slots[i].isWhole()) kernel::loadSlotPositions(body.springBatches, slotsOf(body, parts.slots[i]));
+  if (!parts.points[i].isWhole())
+    kernel::loadSlotPositions(body.springBatches, slotsOf(body, parts.points[i]));
   addForces(body, parts.springs[0][i]);
 }
 

@@ -92,7 +92,6 @@ struct BodyPart {
 /// The tasks of a step. Only bodies that several threads step are divided (see division.h).
 struct StepParts {
   std::vector<BodyPart> points;    ///< of Division::points, if divided
-  std::vector<BodyPart> slots;     ///< #points, of Division::slots, if divided; empty ones without strips
   std::vector<BodyPart> contacts;  ///< ranges of points whose plane contacts are solved by one task
   std::array<std::vector<BodyPart>, Division::kPhases> springs, tetrahedra;  ///< by phase
   std::vector<std::uint32_t> divided;                                        ///< numbers of bodies
@@ -110,7 +109,8 @@ struct PairSearch {
   void (*search)(void* context, SolverIsland& group, Team& team, double since, double ahead) = nullptr;
 };
 
-/// Bodies that links or contacts couple; without them an island is one body.
+/// Bodies that links or contacts couple; without them an island is one body. Each body alone has one, too:
+/// its size counts in worlds of thousands of bodies.
 struct SolverIsland {
   std::vector<SolverBody> bodies;
   LinkedBodies links;       ///< links.points[i] is bodies[i].points
