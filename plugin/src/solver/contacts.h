@@ -267,7 +267,8 @@ Eigen::Vector3d offsetWhenNearest(const Eigen::Vector3d& offset, const Eigen::Ve
                                   double radiusSum);
 
 /// Updates contacts with surfaces at rest and with rigid balls, and contacts between point masses, to the
-/// present positions of the bodies. Call it before a drift of dt seconds.
+/// present positions of the bodies. Call it before a drift of dt seconds, and with 0 before velocities are
+/// solved: there, contacts that bounce keep their normal.
 void followContacts(IslandConstraints& rows, const LinkedBodies& bodies, Team& team, double dt);
 
 /// Updates the gaps for a drift of dt seconds.

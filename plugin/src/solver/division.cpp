@@ -186,8 +186,8 @@ std::size_t largest(const std::vector<std::vector<std::uint32_t>>& ranges) {
   return size;
 }
 
-/// `arrange` returns the order of the elements of a range.
-/// `weight` is the number of springs or tetrahedra in an element.
+/// `arrange` returns the order of the elements of a range, `weight` is the number of springs or tetrahedra in
+/// an element.
 template <std::size_t N, class Corners, class Arrange>
 Division divide(const SpringNetwork& network, std::size_t elements, std::size_t weight, Corners cornersOf,
                 Arrange arrange) {

@@ -31,8 +31,7 @@ struct Strips {
 
   std::uint32_t length = 0;  ///< number of slots; 0: the network is not regular
   std::vector<Batch> batches;
-  std::vector<std::uint32_t>
-      places;  ///< #springs, in the order of Division: 4 x batch + strip of the end at a
+  std::vector<std::uint32_t> places;  ///< #springs, ordered as Division::order: 4 x batch + strip of a's end
 };
 
 /// Springs, or tetrahedra, in an order and in ranges for several threads. The phases follow one another. The
@@ -47,10 +46,9 @@ struct Division {
   std::vector<std::uint32_t> points;  ///< #points, in the order of the ranges of phase 0; empty if undivided
   std::vector<Range> pointRanges;     ///< of `points`, one for each range of phase 0
 
-  Strips strips;  ///< of springs
-  std::vector<std::uint32_t>
-      slots;                      ///< of `strips`, in the order of the ranges of phase 0; empty if undivided
-  std::vector<Range> slotRanges;  ///< of `slots`, one for each range of phase 0
+  Strips strips;                     ///< of springs
+  std::vector<std::uint32_t> slots;  ///< of `strips`, likewise; empty if undivided
+  std::vector<Range> slotRanges;     ///< of `slots`, one for each range of phase 0
 
   bool isDivided() const { return phases[0].size() > 1; }
 };

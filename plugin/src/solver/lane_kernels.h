@@ -126,7 +126,9 @@ void kickBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& 
 void driftBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& points);
 void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, unsigned begin, unsigned end);
 
-/// Moves the ends of springs in strips between their slots and the points. They do nothing for other bodies.
+/// Copy quantities of the ends of springs in strips between their slots and the points. They do nothing for
+/// other bodies.
+void loadSlotInverseMasses(const SpringBatchBody& body, const BatchPoints& slots);
 void loadSlotPositions(const SpringBatchBody& body, const BatchPoints& slots);  ///< also clears slots' forces
 void unloadSlotForces(const SpringBatchBody& body,
                       const BatchPoints& slots);  ///< replaces the points' forces

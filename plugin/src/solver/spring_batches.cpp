@@ -16,6 +16,7 @@ void addBatchTetrahedra(const SpringBatchBody&, unsigned, unsigned) {}
 void kickBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
 void driftBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
 void dampBatchSprings(const SpringBatchBody&, bool, bool, unsigned, unsigned) {}
+void loadSlotInverseMasses(const SpringBatchBody&, const BatchPoints&) {}
 void loadSlotPositions(const SpringBatchBody&, const BatchPoints&) {}
 void unloadSlotForces(const SpringBatchBody&, const BatchPoints&) {}
 void loadSlotVelocities(const SpringBatchBody&, const BatchPoints&) {}
@@ -42,9 +43,7 @@ void reserve(SpringBatchArrays& q, std::size_t points, std::size_t springs) {
   for (auto* array : {&q.restLength, &q.extensionStiffness, &q.compressionStiffness, &q.inverseLength,
                       &q.dampHalf, &q.dampFull})
     reserveNumbers(*array, springs);
-  q.a.assign(springs, 0);
-  q.b.assign(springs, 0);
-  q.apart.assign(springs / 4, 1);
+  q.springs = springs;
 }
 
 bool shareNoPoint(const unsigned* a, const unsigned* b) {
@@ -55,15 +54,18 @@ bool shareNoPoint(const unsigned* a, const unsigned* b) {
 }
 
 void loadBatches(SpringBatchArrays& q, const SpringArrays& springs, unsigned points) {
-  std::copy(springs->a.begin(), springs->a.end(), q.a.begin());
-  std::copy(springs->b.begin(), springs->b.end(), q.b.begin());
-  std::fill(q.a.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.a.end(), points);
-  std::fill(q.b.begin() + static_cast<std::ptrdiff_t>(springs.size()), q.b.end(), points + 1);
+  q.a.assign(springs->a.begin(), springs->a.end());
+  q.b.assign(springs->b.begin(), springs->b.end());
+  q.a.resize(q.springs, points);
+  q.b.resize(q.springs, points + 1);
+  q.apart.resize(q.springs / 4);
   for (std::size_t g = 0; g < q.apart.size(); ++g) q.apart[g] = shareNoPoint(&q.a[4 * g], &q.b[4 * g]);
 }
 
 void loadStrips(SpringBatchArrays& q, const Strips& strips) {
   reserveNumbers(q.slots, StripBody::kNumbers * (strips.length + std::size_t{1}));
+  q.a.resize(strips.batches.size());
+  q.b.resize(strips.batches.size());
   for (std::size_t i = 0; i < strips.batches.size(); ++i) {
     const Strips::Batch& batch = strips.batches[i];
     q.a[i] = StripBody::kNumbers * batch.a;
@@ -97,15 +99,6 @@ void loadSprings(SpringBatchArrays& q, const SpringArrays& springs) {
   q.revision = springs.revision;
 }
 
-/// Inverse masses of slots keep those of missing points at 0.
-void loadInverseMasses(SpringBatchArrays& q, const Points& inverseMass, std::uint32_t length) {
-  double* target = numbers(q.slots) + StripBody::kInverseMass;
-  for (Eigen::Index i = 0; i < inverseMass.cols(); ++i) {
-    const Eigen::Index first = StripBody::kNumbers * (i % length) + i / length;
-    for (Eigen::Index c = 0; c < 3; ++c) target[first + 4 * c] = inverseMass(c, i);
-  }
-}
-
 void toBatches(const Points& from, AlignedNumbers& to) {
   double* target = numbers(to);
   for (Eigen::Index i = 0; i < from.cols(); ++i)
@@ -119,15 +112,13 @@ void fromBatches(AlignedNumbers& from, Points& to) {
 }
 
 void load(SpringBatchArrays& q, const PointState& state, const SpringArrays& springs) {
-  if (q.position.empty() || q.a.size() != entriesOf(springs))
+  if (q.position.empty() || q.springs != entriesOf(springs))
     loadTopology(q, springs, static_cast<unsigned>(state.position.cols()));
   if (q.revision != springs.revision) loadSprings(q, springs);
   toBatches(state.position, q.position);
   toBatches(state.velocity, q.velocity);
   toBatches(state.acceleration, q.acceleration);
   toBatches(state.inverseMass, q.inverseMass);
-  if (const std::uint32_t length = springs->division.strips.length; length > 0)
-    loadInverseMasses(q, state.inverseMass, length);
 }
 
 kernel::VolumeBody batchVolumes(SpringBatchArrays& q, VolumeArrays* volumes) {
@@ -168,7 +159,7 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
   SpringBatchArrays& q = *stepped.springBatches;
   kernel::SpringBatchBody body;
   body.points = static_cast<unsigned>(q.position.size() * 2);
-  body.springs = static_cast<unsigned>(q.a.size());
+  body.springs = static_cast<unsigned>(q.springs);
   body.a = q.a.data(), body.b = q.b.data(), body.apart = q.apart.data();
   body.strips = stripBody(q, stepped);
   body.position = numbers(q.position), body.velocity = numbers(q.velocity);
@@ -193,7 +184,9 @@ bool canStepSpringBatches() { return isAvailable(InstructionSet::Avx2) || isAvai
 
 kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts) {
   load(*body.springBatches, *body.points, *body.springs);
-  return springBatchBody(body, contacts);
+  const kernel::SpringBatchBody loaded = springBatchBody(body, contacts);
+  kernel::loadSlotInverseMasses(loaded, {0, loaded.strips.slots});
+  return loaded;
 }
 
 void unloadSpringBatches(SolverBody& body) {

@@ -5,6 +5,7 @@
 
 #include "solver/simd_steps.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace limber {
@@ -21,9 +22,10 @@ struct SpringBatchArrays {
   AlignedNumbers gradient, sums;               // of the volume: 4 x (#points + 2), 8 x #components
   AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, padded
   std::vector<unsigned> corners;               // 4 x #tetrahedra, padded
-  std::vector<unsigned> a, b;                  // #springs, padded
+  std::size_t springs = 0;                     // number of them, padded
+  std::vector<unsigned> a, b;                  // #springs, padded; in strips #batches
   AlignedNumbers slots;                        // of StripBody
-  std::vector<unsigned char> apart;            // #springs / 4: whether the four share no point
+  std::vector<unsigned char> apart;            // #springs / 4: whether the four share no point; not in strips
   unsigned revision = 0;                       // springs.revision of the copied constants; 0: none copied
 };
 

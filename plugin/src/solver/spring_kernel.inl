@@ -319,6 +319,10 @@ void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, Ind
   leaveKernel();
 }
 
+void loadSlotInverseMasses(const SpringBatchBody& b, const BatchPoints& slots) {
+  toSlots(b.strips, slots, b.inverseMass, StripBody::kInverseMass);
+}
+
 void loadSlotPositions(const SpringBatchBody& b, const BatchPoints& slots) {
   toSlots(b.strips, slots, b.position, StripBody::kPosition);
   const Quad zero = all(Quad(), 0.0);
