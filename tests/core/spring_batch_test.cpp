@@ -18,16 +18,9 @@ namespace {
 
 using test::SteppedTestBody;
 
-SharedNetwork cloth(std::uint32_t columns, std::uint32_t rows) {
-  ClothSettings settings;
-  settings.columns = columns;
-  settings.rows = rows;
-  return *buildCloth(settings);
-}
-
 /// A cloth with two equal springs between some points, and without the springs of one point.
 SharedNetwork mendedCloth() {
-  auto network = std::make_shared<SpringNetwork>(*cloth(14, 17));
+  auto network = std::make_shared<SpringNetwork>(*test::clothNetwork(14, 17));
   const auto touchesHole = [](const NetworkSpring& s) { return s.a == 40 || s.b == 40; };
   auto& springs = network->springs;
   springs.erase(std::remove_if(springs.begin(), springs.end(), touchesHole), springs.end());
@@ -38,7 +31,7 @@ SharedNetwork mendedCloth() {
 
 /// A cloth of n x n fields whose points have other numbers in each row, so that it is not regular.
 SharedNetwork shuffledCloth(std::uint32_t n) {
-  const SharedNetwork regular = cloth(n, n);
+  const SharedNetwork regular = test::clothNetwork(n, n);
   auto network = std::make_shared<SpringNetwork>(*regular);
   const std::uint32_t side = n + 1;
   const auto numberOf = [&](std::uint32_t i) {
@@ -52,15 +45,20 @@ SharedNetwork shuffledCloth(std::uint32_t n) {
 
 /// They have strips of several lengths: with points missing in the last one, or in all slots of it.
 std::vector<SharedNetwork> regularNetworks() {
-  return {test::chainNetwork(30), cloth(9, 11),  cloth(15, 15),
-          cloth(40, 8),           mendedCloth(), test::tetrahedralBlockNetwork(3, 3, 20)};
+  return {test::chainNetwork(30),
+          test::clothNetwork(9, 11),
+          test::clothNetwork(15, 15),
+          test::clothNetwork(40, 8),
+          mendedCloth(),
+          test::tetrahedralBlockNetwork(3, 3, 20)};
 }
 
 std::vector<SharedNetwork> networks() {
   std::vector<SharedNetwork> all = regularNetworks();
   for (const SharedNetwork& network :
-       {test::pairNetwork(), test::chainNetwork(3), test::cubeNetwork(), test::fullCubeNetwork(), cloth(7, 5),
-        test::closedCubeNetwork(), test::tetrahedronNetwork(), test::tetrahedralCubeNetwork()})
+       {test::pairNetwork(), test::chainNetwork(3), test::cubeNetwork(), test::fullCubeNetwork(),
+        test::clothNetwork(7, 5), test::closedCubeNetwork(), test::tetrahedronNetwork(),
+        test::tetrahedralCubeNetwork()})
     all.push_back(network);
   return all;
 }
@@ -163,7 +161,7 @@ TEST(Strips, joinTheSameSlots) {
 
 TEST(Strips, areOfRegularNetworksOnly) {
   for (const SharedNetwork& network :
-       {shuffledCloth(20), test::pairNetwork(), test::fullCubeNetwork(), cloth(7, 5)})
+       {shuffledCloth(20), test::pairNetwork(), test::fullCubeNetwork(), test::clothNetwork(7, 5)})
     EXPECT_EQ(divideSprings(*network).strips.length, 0u) << network->restPoints.size();
   EXPECT_EQ(divideSprings(SpringNetwork()).strips.length, 0u);
 }

@@ -28,13 +28,6 @@ SharedNetwork rope(std::uint32_t segments, double bending) {
   return *buildRope(settings);
 }
 
-SharedNetwork cloth(std::uint32_t columns, std::uint32_t rows) {
-  ClothSettings settings;
-  settings.columns = columns;
-  settings.rows = rows;
-  return *buildCloth(settings);
-}
-
 SharedNetwork material() {
   MaterialMesh settings;
   settings.points = 30;
@@ -62,8 +55,8 @@ SharedNetwork cook(const std::string& name) {
   if (name == "rod") return rope(1, 0.0);
   if (name == "chain") return test::chainNetwork(12);
   if (name == "pair") return test::pairNetwork();
-  if (name == "cloth") return cloth(4, 4);
-  if (name == "cloth-fine") return cloth(9, 7);
+  if (name == "cloth") return test::clothNetwork(4, 4);
+  if (name == "cloth-fine") return test::clothNetwork(9, 7);
   if (name == "material") return material();
   if (name == "triangle") return built(small_meshes::singleTriangle(), BraceRule::None);
   if (name == "islands") return built(small_meshes::twoIslands(), BraceRule::TwoRing);

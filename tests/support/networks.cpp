@@ -3,6 +3,8 @@
 
 #include "support/small_meshes.h"
 
+#include <limber/network_builder.h>
+
 #include <array>
 #include <cmath>
 #include <set>
@@ -111,6 +113,13 @@ SharedNetwork closedCubeNetwork() {
   settings.braces = BraceRule::EqualLength;
   settings.braceWeight = 1.0;
   return *buildNetwork(small_meshes::cube(), settings);
+}
+
+SharedNetwork clothNetwork(std::uint32_t columns, std::uint32_t rows) {
+  ClothSettings settings;
+  settings.columns = columns;
+  settings.rows = rows;
+  return *buildCloth(settings);
 }
 
 }  // namespace limber::test

@@ -30,4 +30,7 @@ SharedNetwork tetrahedralCubeNetwork();
 /// Returns a block of nx x ny x nz such cubes from the origin.
 SharedNetwork tetrahedralBlockNetwork(int nx, int ny, int nz);
 
+/// Returns a cloth of columns x rows fields with the other standard settings.
+SharedNetwork clothNetwork(std::uint32_t columns, std::uint32_t rows);
+
 }  // namespace limber::test
