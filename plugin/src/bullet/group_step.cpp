@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file chooses the stepper of each group and steps the groups that are in no island. Bodies of one
-// network are stepped together in SIMD lanes. It also removes energy that a step has added.
+// This file chooses the stepper of a group, steps it if it is in no island, and removes energy that a step
+// has added.
 
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -192,12 +191,6 @@ SteppingProblem problemOf(LinkedGroup& group, double tick) {
   return p;
 }
 
-/// Returns whether a body of the group has an error tolerance. A tick may then be stepped again.
-bool hasTolerance(const LinkedGroup& group) {
-  const Stepping& s = group.stepping;
-  return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
-}
-
 void setChoice(LinkedGroup& group, const SteppingChoice& choice) {
   group.stepper = choice.stepper;
   group.substeps = choice.substeps;
@@ -340,10 +333,19 @@ void endEnergyLimit(LinkedGroup& group, double tick) {
   limit.atEnd -= excess - left;
 }
 
+}  // namespace
+
+bool hasTolerance(const LinkedGroup& group) {
+  const Stepping& s = group.stepping;
+  return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
+}
+
 // --- one group ---------------------------------------------------------------------------------------------
 
+namespace {
+
 /// Steps the group. With a tolerance, adds substeps and repeats it if the error is larger than predicted.
-void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
+void stepToTolerance(LinkedGroup& group, double tick, SharedFactors& factors) {
   stepOnce(group, tick, factors);
   if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;
   SteppingProblem problem = problemOf(group, tick);
@@ -357,17 +359,20 @@ void stepLinkedGroup(LinkedGroup& group, double tick, SharedFactors& factors) {
   }
 }
 
-/// Steps a group that is in no island again, with its watches on (point_contacts.h), if a point has left its
-/// search region and may have missed a contact.
+}  // namespace
+
+void stepAlone(LinkedGroup& group, double tick, SharedFactors& factors) {
+  stepToTolerance(group, tick, factors);
+  repeatIfMissed(group, tick, factors);
+}
+
 void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
   bool missed = false;
   for (SoftBodyData* body : group.bodies) missed = mayHaveMissedContacts(*body) || missed;
   if (!missed) return;
   rewind(group);
-  stepLinkedGroup(group, tick, factors);
+  stepToTolerance(group, tick, factors);
 }
-
-}  // namespace
 
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
   const auto isStill = [](const PlaneContact& row) { return row.surfaceVelocity.isZero(0.0); };
@@ -450,105 +455,6 @@ double workOf(const LinkedGroup& group) {
   std::size_t springs = 0;
   for (const SoftBodyData* body : group.bodies) springs += body->springs.size();
   return double(springs) * group.substeps;
-}
-
-// --- groups in SIMD lanes ----------------------------------------------------------------------------------
-
-namespace {
-
-/// Maximum number of springs of bodies in SIMD lanes. A block of larger ones would not fit into the cache
-/// nearest to the processor (about 0.5 kB per spring with eight lanes). They are stepped one by one.
-constexpr std::size_t kMaxSpringsInLanes = 1000;
-
-/// Whether several threads can step the group together.
-bool isDivided(const LinkedGroup& group) {
-  const auto isLarge = [](const SoftBodyData* body) { return body->springs->division.isDivided(); };
-  return group.stepper == Stepper::Verlet && std::any_of(group.bodies.begin(), group.bodies.end(), isLarge);
-}
-
-bool canUseLanes(const LinkedGroup& group) {
-  return !hasTolerance(group) && group.stepper == Stepper::Verlet && isPlain(group.step) &&
-         group.bodies[0]->springs.size() <= kMaxSpringsInLanes && group.bodies[0]->springs.size() > 0;
-}
-
-}  // namespace
-
-void StepPlan::collect(const AwakeGroups& groups) {
-  collected_.clear();
-  for (LinkedGroup* group : groups)
-    if (!group->inIsland) collected_.push_back(group);
-  const auto others = std::partition(collected_.begin(), collected_.end(),
-                                     [](const LinkedGroup* group) { return canUseLanes(*group); });
-  forLanes_ = static_cast<std::size_t>(others - collected_.begin());
-  // groups are in an array in their order
-  const auto before = [](const LinkedGroup* a, const LinkedGroup* b) {
-    return std::tie(a->model, a->substeps, a) < std::tie(b->model, b->substeps, b);
-  };
-  std::sort(collected_.begin(), others, before);
-}
-
-void StepPlan::makeRuns() {
-  const auto fits = [](const LinkedGroup& a, const LinkedGroup& b) {
-    return a.substeps == b.substeps && canShareLanes(a.step.bodies[0], b.step.bodies[0]);
-  };
-  const auto lanes = static_cast<std::size_t>(laneCount(set_));
-  runs_.clear();
-  for (std::size_t i = 0, begin = 0; i < collected_.size(); ++i) {
-    const bool goesOn =
-        i > begin && i < begin + lanes && i < forLanes_ && fits(*collected_[begin], *collected_[i]);
-    if (goesOn) continue;
-    begin = i;
-    runs_.push_back(i);
-  }
-  runs_.push_back(collected_.size());
-}
-
-/// A body that is alone in its lanes gains nothing from them.
-void StepPlan::stepRun(std::size_t run, double tick, LanesOfRun& lanes) {
-  const std::size_t begin = runs_[run], end = runs_[run + 1];
-  if (end == begin + 1) {
-    stepLinkedGroup(*collected_[begin], tick, factors_);
-  } else {
-    lanes.bodies.clear();
-    for (std::size_t i = begin; i < end; ++i) lanes.bodies.push_back(&collected_[i]->step.bodies[0]);
-    stepLanes(lanes.bodies.data(), lanes.bodies.size(), lanes.scratch, tick, collected_[begin]->substeps,
-              set_);
-    for (std::size_t i = begin; i < end; ++i)
-      collected_[i]->bodies[0]->sumsValid = collected_[i]->step.bodies[0].sums != nullptr;
-  }
-  for (std::size_t i = begin; i < end; ++i) repeatIfMissed(*collected_[i], tick, factors_);
-}
-
-void StepPlan::findLarge(const Parallel& parallel) {
-  large_.clear();
-  if (!parallel.isOn()) return;
-  double total = 0.0;
-  for (const LinkedGroup* group : collected_) total += workOf(*group);
-  const auto first = collected_.begin() + static_cast<std::ptrdiff_t>(forLanes_);
-  const auto isSmall = [&](const LinkedGroup* group) {
-    return !isDivided(*group) || workOf(*group) < kLargeShare * total;
-  };
-  const auto end = std::partition(first, collected_.end(), isSmall);
-  large_.assign(end, collected_.end());
-  collected_.erase(end, collected_.end());
-}
-
-void StepPlan::step(const AwakeGroups& groups, double tick, const Parallel& parallel) {
-  collect(groups);
-  findLarge(parallel);
-  for (LinkedGroup* group : large_)
-    parallel.together([&](Team& team) {
-      group->step.team = &team;
-      stepLinkedGroup(*group, tick, factors_);
-      repeatIfMissed(*group, tick, factors_);
-      group->step.team = nullptr;
-    });
-  makeRuns();
-  parallel.inBlocks(runs_.size() - 1, [&](std::size_t begin, std::size_t end) {
-    lanes_.with([&](LanesOfRun& lanes) {
-      for (std::size_t run = begin; run < end; ++run) stepRun(run, tick, lanes);
-    });
-  });
 }
 
 // --- after the step ----------------------------------------------------------------------------------------

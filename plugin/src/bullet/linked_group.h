@@ -142,38 +142,18 @@ void limitIslandEnergy(LinkedGroup& group, bool alone, bool joined);
 /// Returns whether the surfaces of all these contacts are at rest.
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);
 
+/// Whether a body of the group has an error tolerance. A tick may then be stepped again.
+bool hasTolerance(const LinkedGroup& group);
+
+/// Steps a group that is in no island.
+void stepAlone(LinkedGroup& group, double tick, SharedFactors& factors);
+
+/// Steps a group that is in no island again, with its watches on (point_contacts.h), if a point has left its
+/// search region and may have missed a contact.
+void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors);
+
 /// Updates the stepping results of the bodies, after the step.
 void reportStepping(LinkedGroup& group, double tick);
-
-/// Steps bodies of one model, with the same number of Verlet substeps, together in SIMD lanes.
-class StepPlan {
- public:
-  /// Steps all groups that are in no island. The results do not depend on which bodies share lanes.
-  void step(const AwakeGroups& groups, double tick, const Parallel& parallel);
-
- private:
-  /// Bodies in SIMD lanes, and their memory.
-  struct LanesOfRun {
-    std::vector<SolverBody*> bodies;
-    LaneScratch scratch;
-  };
-
-  /// Collects the groups: first those for lanes, by model and number of substeps, then all others.
-  void collect(const AwakeGroups& groups);
-  /// Splits the collected groups into runs that are stepped together.
-  void makeRuns();
-  void stepRun(std::size_t run, double tick, LanesOfRun& lanes);
-  /// Finds the groups that a team steps. They are left out of `runs_`.
-  void findLarge(const Parallel& parallel);
-
-  SharedFactors factors_;
-  InstructionSet set_ = bestInstructionSet();
-  AwakeGroups collected_;
-  AwakeGroups large_;
-  std::size_t forLanes_ = 0;       ///< number of the first of them
-  std::vector<std::size_t> runs_;  ///< #runs + 1, begins in collected_
-  ScratchPool<LanesOfRun> lanes_;
-};
 
 // --- islands -----------------------------------------------------------------------------------------------
 

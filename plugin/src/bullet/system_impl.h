@@ -8,7 +8,7 @@
 #include "bullet/contact_report.h"
 #include "bullet/hidden.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/linked_group.h"
+#include "bullet/lone_groups.h"
 #include "bullet/parallel.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
@@ -103,7 +103,6 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   void keepBudgets(btScalar tick);
   void findIslands(btScalar tick);
   void choose(btScalar tick);
-  void addWork(const TickProfile& work);
   void step(btScalar tick);
   void write(btScalar tick);
   void updateLiving();
@@ -122,7 +121,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   AwakeGroups awake;  // in this tick
   Parallel parallel;  // runs the stages that it is passed to, or that say so
   std::mutex lock;    // SoftBodyData::worldLock
-  StepPlan plan;
+  LoneGroups lone;
   MovingObjects objects;
   KinematicMotions kinematic;
   MultiBodyLinks links;

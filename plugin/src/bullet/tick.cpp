@@ -6,7 +6,7 @@
 #include "bullet/body_in_world.h"
 #include "bullet/contact_filter.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/linked_group.h"
+#include "bullet/lone_groups.h"
 #include "bullet/point_contacts.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
@@ -14,7 +14,6 @@
 #include "bullet/tick_contacts.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <string>
@@ -23,21 +22,6 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
-
-/// Adds its lifetime in milliseconds to `sum`.
-class StopWatch {
- public:
-  explicit StopWatch(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
-  ~StopWatch() {
-    sum_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-  }
-  StopWatch(const StopWatch&) = delete;
-  StopWatch& operator=(const StopWatch&) = delete;
-
- private:
-  double& sum_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 /// The shared steps of all worlds that have systems. The list is never deleted, because a system of static
 /// lifetime may be destroyed after other static objects.
@@ -55,24 +39,6 @@ void gatherMovingPairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids,
                        TickContacts& found) {
   if (isSurfaceBody(body)) return gatherSurfacePairs(body, tick, rigids, search, found);
   for (btRigidBody* partner : body.freePartners) gatherPairs(body, *partner, tick, found);
-}
-
-void countWork(const SoftBodyData& body, TickProfile& work) {
-  const auto substeps = static_cast<std::size_t>(body.substeps);
-  work.pointsStepped += pointCount(body);
-  work.substeps += substeps;
-  work.springSubsteps += body.springs.size() * substeps;
-  work.contacts += body.contacts.size();
-}
-
-void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work) {
-  reportStepping(group, double(tick));
-  for (SoftBodyData* body : group.bodies) {
-    restoreIfUnsound(*body);
-    countWork(*body, work);
-  }
-  writeGroupToBullet(group, tick);
-  if (!group.inIsland) numberIsland(group.bodies);
 }
 
 /// Whether there is work for several threads: so many springs, or a body that is divided among them.
@@ -158,7 +124,6 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
 // The stages, in the order in which beforeTick() and afterTick() call them.
 
 void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
-  const StopWatch watch(profile.readMs);
   rebuildGroupsIfNeeded();
   for (Impl* system : systems) system->clearForcesOnNewStep();
   objects.find(*world);
@@ -179,7 +144,6 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
-  const StopWatch watch(profile.readMs);
   readManifolds(*world->getDispatcher());
   const bool hasFields = std::any_of(systems.begin(), systems.end(),
                                      [](const Impl* system) { return !system->surroundings.fields.empty(); });
@@ -198,7 +162,6 @@ void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
-  const StopWatch watch(profile.searchMs);
   pairs.clear(double(tick));
   rigidSurfaces.clear();
   // links of multibodies are numbered in the order in which they are found
@@ -228,7 +191,6 @@ void SoftBodySystem::Impl::WorldStep::filterContacts() {
 }
 
 void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {
-  const StopWatch watch(profile.islandsMs);
   warmStart(pairs);
   addLinkedRigids(awake, pairs);
   links.addJoints(pairs);
@@ -237,34 +199,36 @@ void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {
 }
 
 void SoftBodySystem::Impl::WorldStep::keepBudgets(btScalar tick) {
-  const StopWatch watch(profile.chooseMs);
   parallel.forEach(awake.size(), [&](std::size_t g) { keepBudget(*awake[g], double(tick)); });
 }
 
+/// Groups in no island choose when they are stepped.
 void SoftBodySystem::Impl::WorldStep::choose(btScalar tick) {
-  const StopWatch watch(profile.chooseMs);
-  parallel.forEach(awake.size(), [&](std::size_t g) { chooseStepping(*awake[g], double(tick)); });
+  parallel.forEach(awake.size(), [&](std::size_t g) {
+    if (awake[g]->inIsland) chooseStepping(*awake[g], double(tick));
+  });
 }
 
 void SoftBodySystem::Impl::WorldStep::step(btScalar tick) {
-  const StopWatch watch(profile.stepMs);
   // points with unexpectedly large displacements search for more contacts during the step
   const KinematicMotions::Rewound rewound(kinematic);
-  plan.step(awake, double(tick), parallel);
+  lone.step(awake, double(tick), parallel, profile);
+  LapTimer timer;
   stepIslands(islands, pairs, double(tick), searches, lock, parallel);
+  profile.stepMs += timer.lap();
 }
 
 void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
-  const StopWatch watch(profile.writeMs);
   for (Island& island : islands) writeIslandToBullet(island, pairs, tick);
   links.applyImpulses(pairs);
   reportRigidContacts(pairs);
   storeImpulses(moving, pairs);
   parallel.inBlocks(awake.size(), [&](std::size_t begin, std::size_t end) {
     TickProfile work;
-    for (std::size_t g = begin; g < end; ++g) writeGroup(*awake[g], tick, work);
+    for (std::size_t g = begin; g < end; ++g)
+      if (awake[g]->inIsland) writeGroup(*awake[g], tick, work);
     const std::lock_guard<std::mutex> guard(lock);
-    addWork(work);
+    addWork(work, profile);
   });
   for (const Island& island : islands) numberIsland(island.softBodies);
   profile.awakeBodies = moving.size();
@@ -272,13 +236,6 @@ void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
   profile.contacts += pairs.contacts.size();
   disableDrives(pairs, disabledDrives);
   for (Impl* system : systems) system->surroundings.time += double(tick);
-}
-
-void SoftBodySystem::Impl::WorldStep::addWork(const TickProfile& work) {
-  profile.pointsStepped += work.pointsStepped;
-  profile.substeps += work.substeps;
-  profile.springSubsteps += work.springSubsteps;
-  profile.contacts += work.contacts;
 }
 
 void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
@@ -290,18 +247,26 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   if (!(tick > btScalar(0))) return;
   divideBodies();
   inTick = true;
+  LapTimer timer;
   findAwake(tick);
   {
     const KinematicMotions::Rewound rewound(kinematic);
     read(tick);
+    profile.readMs = timer.lap();
     collide(tick);
+    profile.searchMs = timer.lap();
     keepBudgets(tick);
+    profile.chooseMs = timer.lap();
     findIslands(tick);
+    profile.islandsMs = timer.lap();
     choose(tick);
+    profile.chooseMs += timer.lap();
   }
   disableBulletResponse(*world->getDispatcher());
   step(tick);
+  timer.lap();
   write(tick);
+  profile.writeMs += timer.lap();
 }
 
 void SoftBodySystem::Impl::WorldStep::takeLink(SpringConstraint& spring, const LinkSpring& link) {
@@ -339,7 +304,7 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   inTick = false;
   brokenSprings.clear();
   if (!(tick > btScalar(0))) return;
-  const StopWatch watch(profile.readBackMs);
+  LapTimer timer;
   parallel.forEach(awake.size(), [&](std::size_t g) {
     if (!awake[g]->hasWorldPoints) readGroupFromBullet(*awake[g], tick);
   });
@@ -354,6 +319,7 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   reportContacts(moving, pairs, *world, double(tick), parallel);
   anyRestored =
       std::any_of(living.begin(), living.end(), [](const SoftBodyData* body) { return body->restored; });
+  profile.readBackMs = timer.lap();
 }
 
 // --- one system --------------------------------------------------------------------------------------------
