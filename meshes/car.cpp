@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "car.h"
+#include "shapes.h"
 
 #include "sheets.h"
 #include "surface_net.h"

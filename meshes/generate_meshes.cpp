@@ -1,15 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Writes the meshes of this folder, or those that are named: limber_generate_meshes <folder> [<mesh>...]
-#include "animal.h"
-#include "box_shapes.h"
-#include "bunny.h"
-#include "car.h"
-#include "figure.h"
-#include "head.h"
-#include "ogre.h"
-#include "puppet.h"
-#include "round_shapes.h"
-#include "teapot.h"
+
+#include "shapes.h"
 
 #include <algorithm>
 #include <cstdio>

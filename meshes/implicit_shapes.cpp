@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "implicit_shapes.h"
 
-#include "pi.h"
-
 #include <algorithm>
 #include <cmath>
 

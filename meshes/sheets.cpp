@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "sheets.h"
 
-#include "pi.h"
-
 #include <Eigen/Geometry>
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "teapot.h"
+#include "shapes.h"
 
-#include "pi.h"
 #include "sheets.h"
 
 #include <algorithm>

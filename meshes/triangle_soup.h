@@ -9,6 +9,8 @@
 
 namespace shapes {
 
+constexpr double kPi = 3.14159265358979323846;
+
 struct Corner {
   Eigen::Vector3d position;
   Eigen::Vector2d uv;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "support/test_shapes.h"
 
-#include "meshes/box_shapes.h"
-#include "meshes/figure.h"
-#include "meshes/round_shapes.h"
+#include "meshes/shapes.h"
 #include "meshes/surface_net.h"
 #include "support/constants.h"
 #include "support/small_meshes.h"
