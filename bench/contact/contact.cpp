@@ -158,6 +158,7 @@ bool isBudget(const EngineChoice& choice) { return choice.setting.rfind("at most
 std::vector<EngineChoice> contactEngines() {
   std::vector<EngineChoice> engines = {
       limber("default", [](SoftBodySettings&) {}),
+      limber("Stepping::fast()", [](SoftBodySettings& s) { s.stepping = Stepping::fast(); }),
       limber("Collision::Points", [](SoftBodySettings& s) { s.collision = Collision::Points; })};
   for (const int substeps : {5, 10, 20, 40})
     engines.push_back(limber("at most " + std::to_string(substeps) + " substeps",

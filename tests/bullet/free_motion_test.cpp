@@ -113,6 +113,57 @@ TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
   }
 }
 
+/// Lets a chain that is held at one end oscillate in one of its modes for some 100 rad. Returns the relative
+/// error of its frequency. With N free points of mass m, mode j moves point n by sin(n theta), with
+///     theta = (2 j - 1) pi / (2 N + 1),   omega = 2 sqrt(k / m) sin(theta / 2).
+double frequencyErrorOfMode(int mode, const SoftBodySettings& s, int links) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* body = create(system, test::chainNetwork(links), s);
+  body->pin(0);
+  const double theta = (2 * mode - 1) * M_PI / (2 * links + 1), amplitude = 1e-3;
+  const double omega =
+      2.0 * std::sqrt(s.extensionStiffness / (s.totalMass / (links + 1))) * std::sin(0.5 * theta);
+  for (int n = 1; n <= links; ++n)
+    body->point(std::uint32_t(n))
+        ->getWorldTransform()
+        .setOrigin(test::vec(0, -double(n) / links - amplitude * std::sin(n * theta), 0));
+  const int ticks = static_cast<int>(100.0 / omega * 60.0);
+  for (int i = 0; i < ticks; ++i) bullet.tick();
+  double x = 0.0, v = 0.0;
+  for (int n = 1; n <= links; ++n) {
+    const auto point = static_cast<std::uint32_t>(n);
+    x -= std::sin(n * theta) * (body->position(point).y() + double(n) / links);
+    v -= std::sin(n * theta) * body->velocity(point).y();
+  }
+  const double phase = omega * ticks / 60.0;
+  return std::remainder(std::atan2(-v / omega, x) - phase, 2.0 * M_PI) / phase;
+}
+
+TEST(FastStepping, slowOscillationsAreRightWithinTwoPercent) {
+  SoftBodySettings s = test::testedSettings();
+  s.totalMass = 1.0;
+  s.extensionStiffness = s.compressionStiffness = 1e4;  // the fastest mode: 623 rad/s, in 8 substeps
+  s.damping = 0.0;
+  s.stepping = Stepping::fast();
+  // Verlet's error of a frequency is (omega dt)^2 / 24:  5e-4, 0.5 %, 1.2 % for the first modes
+  for (const int mode : {1, 2, 3}) EXPECT_LT(std::abs(frequencyErrorOfMode(mode, s, 9)), 0.02) << mode;
+}
+
+TEST(FastStepping, takesTenSubstepsAtAnyStiffness) {
+  SoftBodySettings s = test::testedSettings();
+  s.stepping = Stepping::fast();
+  for (const double stiffness : {1.0, 1e4, 1e8}) {
+    s.extensionStiffness = s.compressionStiffness = stiffness;
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBody* body = create(system, test::fullCubeNetwork(), s);
+    bullet.tick();
+    EXPECT_LE(body->substeps(), 10) << stiffness;
+    EXPECT_GE(body->substeps(), 2) << stiffness;
+  }
+}
+
 TEST(HangingChain, sagIsExactAtAnyTick) {
   const int links = 16;
   const double mass = 0.1, g = 9.81;

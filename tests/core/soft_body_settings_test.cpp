@@ -17,6 +17,9 @@ TEST(SoftBodySettings, defaultsAndThePapersAreValid) {
   EXPECT_EQ(paper.extensionStiffness, 20.0);
   EXPECT_EQ(paper.compressionStiffness, 20.0);
   EXPECT_EQ(paper.damping, 0.2);
+  SoftBodySettings fast;
+  fast.stepping = Stepping::fast();
+  EXPECT_EQ(validate(fast).error(), "");
 }
 
 /// The bounds that the comments of the fields promise.
