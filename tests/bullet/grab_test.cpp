@@ -106,6 +106,50 @@ TEST(Grab, pullsNoMoreThanItsForce) {
   EXPECT_LT(test::lowest(*cube), 0.1) << "it is not lifted by half its weight";
 }
 
+/// The pull is limited to 10 N of 1 kg: with critical damping for each distance d it goes at up to
+/// sqrt(F d / m) / 2 = 11 m/s, and stops at the place.
+TEST(Grab, goesFarWithASmallForceAndStops) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addGrabbedCube(system, 1.0);
+  GrabSettings weak;
+  weak.maxForce = 10.0;
+  Result<Grab> held = grab(system, cube, 7, weak);
+  ASSERT_TRUE(held);
+  const Eigen::Vector3d start = cube->position(7), place = start + Eigen::Vector3d(50, 0, 0);
+  double beyond = 0.0;
+  for (int i = 0; i < 1200; ++i) {
+    held->moveTo(vec(place.x(), place.y(), place.z()));
+    bullet.tick();
+    beyond = std::max(beyond, cube->centerOfMass().x() - place.x());
+    if (i == 180) {
+      EXPECT_GT(cube->centerOfMass().x() - start.x(), 10.0);
+    }
+  }
+  EXPECT_LT((cube->position(7) - place).norm(), 0.1);
+  EXPECT_LT(beyond, 1.0) << "the cube swings about its corner";
+}
+
+TEST(Grab, itsForceIsWhatMovesTheBody) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addGrabbedCube(system, 1.0);
+  Result<Grab> held = grab(system, cube, 7);
+  ASSERT_TRUE(held);
+  const Eigen::Vector3d place = cube->position(7) + Eigen::Vector3d(0.5, 0, 0);
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero(), before = impulse;
+  for (int i = 0; i < 20; ++i) {
+    held->moveTo(vec(place.x(), place.y(), place.z()), vec(0, 0, 0));
+    bullet.tick(kTick / 8.0);
+    const Eigen::Vector3d now = eigen(held->force());
+    if (i > 0) impulse += kTick / 8.0 * 0.5 * (before + now);
+    if (i == 0) impulse = cube->linearMomentum();
+    before = now;
+  }
+  // the trapezoidal rule over 19 ticks of 1/480 s
+  EXPECT_NEAR(impulse.x(), cube->linearMomentum().x(), 0.05 * cube->linearMomentum().x());
+}
+
 TEST(Grab, survivesTheBodyAndTheSystem) {
   BulletWorld bullet;
   auto system = std::make_unique<SoftBodySystem>(*bullet.world);

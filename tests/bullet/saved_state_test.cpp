@@ -221,6 +221,56 @@ TEST(SavedState, sleepYieldAndBreaksAreKept) {
   EXPECT_LT(fresh.system.body(4)->softening(), 1.0);
 }
 
+TEST(SavedState, hasThePlacesOfSpringEndsInTheWorld) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), placed(0, 2, 0));
+  SpringConstraint* spring = *system.addSpring({cube->point(0)}, {nullptr, vec(0, 4, 0)});
+  bullet.simulate(0.5);
+  const Bytes saved = system.saveState();
+  std::vector<std::uint64_t> hashes;
+  const auto play = [&](auto visit) {
+    for (int i = 0; i < 30; ++i) {
+      if (i == 10) {
+        EXPECT_TRUE(system.moveSpring(spring, vec(1, 4, 0)));
+      }
+      bullet.tick();
+      visit(i);
+    }
+  };
+  play([&](int) { hashes.push_back(cube->stateHash()); });
+  ASSERT_TRUE(system.restoreState(saved));
+  EXPECT_EQ(spring->endB().pivot, vec(0, 4, 0));
+  play([&](int i) { EXPECT_EQ(cube->stateHash(), hashes[static_cast<std::size_t>(i)]) << i; });
+}
+
+TEST(SavedState, leavesGrabsAlone) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* a = *system.createBody(test::closedCubeNetwork(), placed(0, 0, 0));
+  SoftBody* b = *system.createBody(test::closedCubeNetwork(), placed(3, 0, 0));
+  Result<Grab> held = grab(system, a, 0);
+  SpringSettings settings;
+  settings.stiffness = 70.0;
+  SpringConstraint* spring = *system.addSpring({a->point(1)}, {b->point(0)}, settings);
+  bullet.simulate(0.2);
+  const Bytes saved = system.saveState();
+  const double length = *spring->settings().restLength;
+  held->release();
+  held = grab(system, a, 7);
+  const Result<Grab> another = grab(system, b, 3);
+  bullet.simulate(0.2);
+  const Result<void> restored = system.restoreState(saved);
+  ASSERT_TRUE(restored) << restored.error();
+  EXPECT_EQ(spring->settings().stiffness, 70.0);
+  EXPECT_EQ(*spring->settings().restLength, length);
+  EXPECT_TRUE(held->holds());
+  EXPECT_TRUE(another->holds());
+  // what the grabs hold has moved by less than a millimetre: they hardly pull
+  bullet.simulate(0.2);
+  EXPECT_LT(a->kineticEnergy() + b->kineticEnergy(), 0.01);
+}
+
 TEST(SavedState, ofOneBodyLeavesTheOthersAlone) {
   Scene scene;
   const Bytes start = scene.system.body(2)->saveState();

@@ -18,7 +18,8 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 struct GrabSettings {
   double frequency = 4.0;  ///< Hz, 0.01 to 1000, of the body's mass on the spring, which is critically damped
-  double maxForce = 0.0;   ///< N, largest force of the spring, without the damping; 0: no limit
+  double maxForce = 0.0;   ///< N, largest force of the spring, without the damping; 0: no limit. Where it
+                           ///< limits the force, the damping is critical for this weaker pull
 };
 
 /// Holds a point of a soft body with a spring to a place in the world, for mouse picking and hands.
@@ -44,16 +45,17 @@ class LIMBER_API Grab {
   bool holds() const;                             ///< false after release(), or if body or world is gone
   SoftBody* body() const { return body_.get(); }  ///< nullptr if it is gone
   std::uint32_t point() const { return point_; }  ///< of the body
-  btVector3 force() const;                        ///< N on the body, at the end of the last tick
+  btVector3 force() const;  ///< N on the body, with the damping, at the end of the last tick
 
  private:
   friend LIMBER_API Result<Grab> grab(SoftBodySystem&, SoftBody*, std::uint32_t, const GrabSettings&);
+  static void mark(SpringConstraint& spring);
 
   SoftBodySystem* system_ = nullptr;  // exists as long as one of the springs does
   Handle<SoftBody> body_;
   std::uint32_t point_ = 0;
-  std::array<Handle<SpringConstraint>, 3> springs_;  // one along each axis, to a place far away
-  double stiffness_ = 0.0, damping_ = 0.0, maxForce_ = 0.0;
+  std::array<Handle<SpringConstraint>, 3> springs_;          // one along each axis, to a place far away
+  double stiffness_ = 0.0, damping_ = 0.0, maxForce_ = 0.0;  // damping_: of the unlimited pull
 };
 
 /// Grabs point i of a body, at its present position. Errors: no body of this system, no such point, a pinned

@@ -106,10 +106,10 @@ class LIMBER_API SoftBodySystem {
 
   // Saved states; SoftBody::saveState() says what they contain.
 
-  /// Return the state of all bodies, the settings of all springs and the time of wind and fields, and restore
-  /// it in a system that has as
-  /// many, made in the same order. Errors, with nothing changed: those of SoftBody::restoreState(), with the
-  /// number of the body; other numbers of bodies or springs.
+  /// Return the state of all bodies, the settings of all springs, the places of their ends in the world and
+  /// the time of wind and fields, and restore it in a system that has as many, made in the same order. Grabs
+  /// and their springs are not a part of it: they hold on. Errors, with nothing changed: those of
+  /// SoftBody::restoreState(), with the number of the body; other numbers of bodies or springs.
   std::vector<std::uint8_t> saveState();
   Result<void> restoreState(const std::vector<std::uint8_t>& bytes);
 

@@ -59,6 +59,7 @@ class LIMBER_API SpringConstraint {
  private:
   friend class SoftBodySystem;
   friend class Skeleton;
+  friend class Grab;
   SpringConstraint(const SpringEnd& a, const SpringEnd& b, const SpringSettings& settings)
       : a_(a), b_(b), settings_(settings) {}
 
@@ -67,6 +68,7 @@ class LIMBER_API SpringConstraint {
   SpringSettings settings_;
   double force_ = 0.0;
   bool broken_ = false;
+  bool ofGrab_ = false;               // a Grab holds a point by it: it is not a part of saved states
   std::shared_ptr<const void> life_;  // expires with the spring; nullptr until there is a handle
 };
 

@@ -20,6 +20,10 @@ constexpr double kTwoPi = 6.283185307179586;
 /// the place and damps motion in all directions.
 constexpr btScalar kSpringLength = 50;
 
+/// m. A limited pull is no longer, so that the springs stay along the axes, and no shorter, so that it hardly
+/// changes while the point moves in a tick.
+constexpr double kLongestPull = 2.0;
+
 btVector3 axisOf(int i) { return btVector3(i == 0, i == 1, i == 2); }
 
 btVector3 positionOfPoint(const SoftBody& body, std::uint32_t i) {
@@ -72,11 +76,25 @@ bool Grab::holds() const { return body_ && body_->alive() && springs_[0] && spri
 void Grab::moveTo(const btVector3& place, const btVector3& velocity) {
   if (!holds() || !isFinitePlace(place) || !isFinitePlace(velocity)) return;
   const btVector3 from = positionOfPoint(*body_, point_);
-  btVector3 pull = place + static_cast<btScalar>(damping_ / stiffness_) * velocity - from;
-  const auto longest = static_cast<btScalar>(maxForce_ / stiffness_);
-  if (maxForce_ > 0.0 && pull.length() > longest) pull *= longest / pull.length();
-  for (int i = 0; i < 3; ++i)
-    system_->moveSpring(springs_[static_cast<std::size_t>(i)].get(), from + pull + kSpringLength * axisOf(i));
+  // the pull of the largest force at this distance d has the stiffness F / d
+  const double distance = double((place - from).length());
+  const bool isLimited = maxForce_ > 0.0 && distance * stiffness_ > maxForce_;
+  const double damping = isLimited ? damping_ * std::sqrt(maxForce_ / (distance * stiffness_)) : damping_;
+  double stiffness = isLimited ? maxForce_ / distance : stiffness_;
+  btVector3 pull = place - from;
+  if (isLimited && distance > kLongestPull) {
+    pull *= static_cast<btScalar>(kLongestPull / distance);
+    stiffness = maxForce_ / kLongestPull;
+  }
+  pull += static_cast<btScalar>(damping / stiffness) * velocity;
+  if (maxForce_ > 0.0 && double(pull.length()) * stiffness > maxForce_)
+    pull *= static_cast<btScalar>(maxForce_ / stiffness) / pull.length();
+  for (int i = 0; i < 3; ++i) {
+    SpringConstraint* spring = springs_[static_cast<std::size_t>(i)].get();
+    spring->settings_.stiffness = stiffness;
+    spring->settings_.damping = damping;
+    system_->moveSpring(spring, from + pull + kSpringLength * axisOf(i));
+  }
   body_->wake();
 }
 
@@ -89,10 +107,15 @@ void Grab::release() {
 
 btVector3 Grab::force() const {
   btVector3 sum(0, 0, 0);
-  for (int i = 0; holds() && i < 3; ++i)
-    sum += static_cast<btScalar>(springs_[static_cast<std::size_t>(i)]->force()) * axisOf(i);
+  for (int i = 0; holds() && i < 3; ++i) {
+    const SpringConstraint& spring = *springs_[static_cast<std::size_t>(i)];
+    const double force = spring.force() - spring.settings().damping * body_->velocity(point_)[i];
+    sum += static_cast<btScalar>(force) * axisOf(i);
+  }
   return sum;
 }
+
+void Grab::mark(SpringConstraint& spring) { spring.ofGrab_ = true; }
 
 Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const GrabSettings& settings) {
   if (!belongsTo(system, body)) return Error{"the soft body is not, or no longer, one of this system"};
@@ -117,6 +140,7 @@ Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const
     const btVector3 end = positionOfPoint(*body, i) + kSpringLength * axisOf(axis);
     Result<SpringConstraint*> added = system.addSpring({body->point(i)}, {nullptr, end}, spring);
     if (!added) return Error{added.error()};
+    Grab::mark(**added);
     held.springs_[static_cast<std::size_t>(axis)] = (*added)->handle();
   }
   return held;

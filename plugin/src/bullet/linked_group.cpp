@@ -259,7 +259,8 @@ bool updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {
   return changed;
 }
 
-/// Moves the end in the world to where the user has moved it, at once or, with a target, over the tick.
+/// Takes over stiffness and damping, and moves the end in the world to where the user has moved it, at once
+/// or, with a target, over the tick.
 void gatherEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
   const auto gather = [&](LinkEnd& end, const SpringEnd& now) {
     if (end.kind != LinkEnd::Kind::World) return;
@@ -268,6 +269,9 @@ void gatherEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
   };
   gather(link.a, spring.endA());
   gather(link.b, spring.endB());
+  // a Grab changes them
+  setStiffness(link, spring, 1.0);
+  link.damping = spring.settings().damping;
 }
 
 void gatherGroup(LinkedGroup& group, btScalar tick) {

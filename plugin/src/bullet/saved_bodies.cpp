@@ -33,30 +33,41 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kSystemFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'Y', '\r', '\n'}, "a saved state of a system", "the saved state", 1};
+    {0x89, 'L', 'I', 'M', 'S', 'Y', '\r', '\n'}, "a saved state of a system", "the saved state", 2};
 constexpr SealedFormat kBodiesFormat = {
     {0x89, 'L', 'I', 'M', 'B', 'D', '\r', '\n'}, "a file of soft bodies", "the file", 1};
 
 // --- systems -----------------------------------------------------------------------------------------------
 
-/// Springs of a system have a rest length.
-template <class Stream, class Settings>
-void transferSpring(Stream& stream, Settings& s) {
+struct SpringState {
+  SpringSettings settings;  ///< with a rest length
+  bool broken = false;
+  Eigen::Vector3d worldEnd = Eigen::Vector3d::Zero();  ///< m, of an end that is fixed in the world
+};
+
+template <class Stream, class Spring>
+void transferSpring(Stream& stream, Spring& spring) {
+  auto& s = spring.settings;
   double restLength = s.restLength.value_or(0.0);
   stream.value("restLength", restLength);
-  if constexpr (!std::is_const_v<Settings>) s.restLength = restLength;
   stream.value("stiffness", s.stiffness);
   stream.value("damping", s.damping);
   stream.value("breakForce", s.breakForce);
   stream.value("action", s.action);
+  std::uint8_t broken = spring.broken;
+  stream.value("broken", broken);
+  for (Eigen::Index i = 0; i < 3; ++i) stream.value("place of a spring's end", spring.worldEnd[i]);
+  if constexpr (!std::is_const_v<Spring>) {
+    s.restLength = restLength;
+    spring.broken = broken != 0;
+  }
 }
 
 /// The state of a system: of its bodies and single springs, in order of creation.
 struct SystemState {
   double time = 0.0;  ///< s, of wind and fields
   std::vector<Bytes> bodies;
-  std::vector<SpringSettings> springs;
-  std::vector<std::uint8_t> broken;  ///< #springs
+  std::vector<SpringState> springs;  ///< without those of grabs
 };
 
 template <class Stream, class State>
@@ -64,9 +75,15 @@ void transferSystem(Stream& stream, State& state) {
   stream.value("time", state.time);
   stream.resize("bodies", state.bodies, sizeof(std::uint64_t));
   for (auto& body : state.bodies) stream.array("bytes of a body", body);
-  stream.resize("springs", state.springs, 3 * sizeof(double));
+  stream.resize("springs", state.springs, 7 * sizeof(double));
   for (auto& spring : state.springs) transferSpring(stream, spring);
-  stream.array("broken springs", state.broken);
+}
+
+/// Returns why a spring's state is not valid, or an empty string.
+std::string checkSpring(const SpringState& spring) {
+  if (Result<void> valid = validate(spring.settings); !valid) return valid.error();
+  if (!(spring.worldEnd.squaredNorm() <= 1e12)) return "its end is not finite, or farther than 1e6 m";
+  return {};
 }
 
 /// Returns why a state does not suit a system, or an empty string.
@@ -78,13 +95,22 @@ std::string checkCount(const char* what, std::size_t saved, std::size_t present)
 
 }  // namespace
 
+std::vector<SpringConstraint*> SoftBodySystem::Impl::savedSprings() const {
+  std::vector<SpringConstraint*> saved;
+  for (const auto& spring : this->springs)
+    if (!spring->ofGrab_) saved.push_back(spring.get());
+  return saved;
+}
+
 Bytes SoftBodySystem::saveState() {
   SystemState state;
   state.time = impl_->surroundings.time;
   for (const auto& body : impl_->bodies) state.bodies.push_back(saveStateOf(*body->data_));
-  for (const auto& spring : impl_->springs) {
-    state.springs.push_back(spring->settings());
-    state.broken.push_back(spring->broken());
+  for (const SpringConstraint* spring : impl_->savedSprings()) {
+    SpringState saved{spring->settings(), spring->broken(), Eigen::Vector3d::Zero()};
+    for (const SpringEnd* end : {&spring->a_, &spring->b_})
+      if (!end->body) saved.worldEnd = toEigen(end->pivot);
+    state.springs.push_back(saved);
   }
   return sealedBytes(kSystemFormat,
                      [&](ByteWriter& writer) { transferSystem(writer, std::as_const(state)); });
@@ -96,11 +122,11 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
   if (std::string reason = readSealed(kSystemFormat, bytes, state, transfer); !reason.empty())
     return Error{std::move(reason)};
   std::string reason = checkCount("bodies", state.bodies.size(), impl_->bodies.size());
-  if (reason.empty()) reason = checkCount("springs", state.springs.size(), impl_->springs.size());
-  if (reason.empty()) reason = checkCount("broken springs", state.broken.size(), impl_->springs.size());
+  const std::vector<SpringConstraint*> springs = impl_->savedSprings();
+  if (reason.empty()) reason = checkCount("springs", state.springs.size(), springs.size());
   for (std::size_t i = 0; i < state.springs.size() && reason.empty(); ++i)
-    if (Result<void> valid = validate(state.springs[i]); !valid)
-      reason = "spring " + std::to_string(i) + ": " + valid.error();
+    if (std::string why = checkSpring(state.springs[i]); !why.empty())
+      reason = "spring " + std::to_string(i) + ": " + why;
   for (std::size_t i = 0; i < state.bodies.size() && reason.empty(); ++i)
     if (Result<void> valid = checkStateFor(*impl_->bodies[i]->data_, state.bodies[i]); !valid)
       reason = "body " + std::to_string(i) + ": " + valid.error();
@@ -112,8 +138,11 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
   }
   impl_->surroundings.time = state.time;
   for (std::size_t i = 0; i < state.springs.size(); ++i) {
-    impl_->springs[i]->settings_ = state.springs[i];
-    impl_->springs[i]->broken_ = state.broken[i] != 0;
+    springs[i]->settings_ = state.springs[i].settings;
+    springs[i]->broken_ = state.springs[i].broken;
+    springs[i]->target_.reset();
+    for (SpringEnd* end : {&springs[i]->a_, &springs[i]->b_})
+      if (!end->body) end->pivot = toBullet(state.springs[i].worldEnd);
   }
   impl_->step->groupsStale = true;
   return {};

@@ -59,6 +59,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
   void destroyNow(SoftBody* body);
   bool owns(const SoftBody* body) const;
   void wakeAll();
+  std::vector<SpringConstraint*> savedSprings() const;  // without those of grabs
   void dropFields(const SoftBodyData& body);
   void destroyPending();
   void endPairsOf(SoftBody* body);
