@@ -284,16 +284,31 @@ TEST(CookMaterial, aBracedBodyHasTheEnergyOfItsMaterial) {
               1e-9 * expected);
 }
 
-// n segments in series have E A / L together
+// A rope of the section A that is strained by e has the energy  E A e^2 / 2  per length. Its arc of 90
+// degrees has chords that are shorter than it, those of the springs against bending by 0.1 %.
 TEST(CookMaterial, aRopeHasTheStiffnessOfItsMaterial) {
   const CookedBody body = cooked(tube(2.0, 0.015)).bodies.at(0);
   const Result<SoftBodySettings> settings = withMaterial(body, Material::rubber());
   ASSERT_TRUE(settings) << settings.error();
-  const double segments = static_cast<double>(body.network->restPoints.size() - 1);
-  const double section = 0.25 * kPi * body.thickness * body.thickness;
-  EXPECT_NEAR(settings->extensionStiffness / segments, Material::rubber().youngsModulus * section / 2.0,
-              0.03 * settings->extensionStiffness / segments);
+  const double section = 0.25 * kPi * body.thickness * body.thickness, e = 1e-3;
+  const double expected = 0.5 * Material::rubber().youngsModulus * section * e * e * 2.0;
+  EXPECT_NEAR(dilationEnergy(*body.network, settings->extensionStiffness, e, false), expected,
+              0.03 * expected);
   EXPECT_EQ(settings->pointRadius, 0.5 * body.thickness);
+}
+
+TEST(CookMaterial, aClosedTubeOfAnySectionHasTheMassOfItsVolume) {
+  TriangleMesh rod = small_meshes::cube(16);
+  for (Vector3d& p : rod.positions) p = p.cwiseProduct(Vector3d(0.02, 1.0, 0.02));
+  const CookedBody body = cooked(rod).bodies.at(0);
+  ASSERT_EQ(body.network->kind, NetworkKind::Rope);
+  const Result<SoftBodySettings> settings = withMaterial(body, Material::rubber());
+  ASSERT_TRUE(settings) << settings.error();
+  EXPECT_NEAR(settings->totalMass, Material::rubber().density * 4e-4, 1e-9);
+}
+
+TEST(CookMaterial, withoutANetworkIsAnError) {
+  EXPECT_EQ(withMaterial(CookedBody(), Material::rubber()).error(), "the cooked body has no network");
 }
 
 TEST(CookMaterial, dampingFollowsTheStiffness) {

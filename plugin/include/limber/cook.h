@@ -48,7 +48,8 @@ struct CookSettings {
 /// The shape of a body. Rest points of all bodies of a mesh are relative to the origin of the resized mesh.
 struct CookedBody {
   SharedNetwork network;
-  double thickness = 0.0;  ///< m: of a sheet, or the diameter of a rope; 0: a solid
+  double thickness = 0.0;  ///< m: of a sheet, or the diameter of a rope, round and with the volume of a
+                           ///< closed tube; 0: a solid
   double volume = 0.0;     ///< m^3 inside the mesh, which gives the mass; 0: that of the network, because the
                            ///< mesh is not one closed surface or thin parts are thickened
 };
@@ -72,8 +73,8 @@ LIMBER_API Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings&
 /// the mass of the mesh's volume, of which tetrahedra fill a few percent more or less. For
 /// braces, spring constants follow from  E = sum k L^2 / (6 V)  with the volume V, the modulus of a random
 /// isotropic network; for sheets from  E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is
-/// exact for a lattice of equilateral triangles; for ropes from  k = E A / L.  Errors: those of
-/// withMaterial().
+/// exact for a lattice of equilateral triangles; for ropes from  E A = sum k l^2 / L  with the section A and
+/// the length L. Errors: no network; those of withMaterial().
 LIMBER_API Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
                                                  SoftBodySettings settings = {});
 

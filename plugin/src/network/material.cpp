@@ -162,7 +162,7 @@ FormMaterial materialOf(const CookedBody& body) {
     double length = 0.0;
     for (std::size_t i = 1; i < n.restPoints.size(); ++i)
       length += (n.restPoints[i] - n.restPoints[i - 1]).norm();
-    return {section * static_cast<double>(n.restPoints.size() - 1) / length, section * length};
+    return {section * length / stiffnessMoment(n, false), section * length};
   }
   if (body.thickness > 0.0) {
     const double area = areaOf(n);
@@ -185,6 +185,7 @@ Result<SoftBodySettings> ofTetrahedra(const CookedBody& body, const Material& ma
 
 Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
                                       SoftBodySettings settings) {
+  if (!body.network) return Error{"the cooked body has no network"};
   if (!body.network->tetrahedra.empty()) return ofTetrahedra(body, material, std::move(settings));
   if (Result<void> valid = validate(material); !valid) return Error{valid.error()};
   if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};

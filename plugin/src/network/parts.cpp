@@ -361,6 +361,21 @@ std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double
 
 }  // namespace
 
+namespace {
+
+/// Returns the radius of the round rope that has the volume of a closed tube, or the circumference of an open
+/// one, whose radius is `radius`. A square tube has a circumference that is 13 % longer than that of the
+/// round one of its section.
+double roundRadius(const WeldedMesh& welded, const std::vector<Vector3d>& axis, double radius) {
+  if (!welded.report.watertight()) return radius;
+  double length = 0.0;
+  for (std::size_t i = 1; i < axis.size(); ++i) length += (axis[i] - axis[i - 1]).norm();
+  const double volume = std::abs(signedVolume(welded.points, welded.triangles));
+  return std::min(radius, std::sqrt(volume / (kPi * length)));
+}
+
+}  // namespace
+
 std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
   if (welded.report.components != 1) return std::nullopt;
   const Links links = edgeLinks(welded.points, welded.triangles);
@@ -380,7 +395,7 @@ std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
   if (!straight) return std::nullopt;
   auto rope = std::make_shared<SpringNetwork>(**straight);
   rope->restPoints = axis;
-  return CookedBody{std::move(rope), 2.0 * radius, 0.0};
+  return CookedBody{std::move(rope), 2.0 * roundRadius(welded, axis, radius), 0.0};
 }
 
 }  // namespace limber
