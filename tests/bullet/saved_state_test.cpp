@@ -434,6 +434,26 @@ TEST(SavedBodies, continueInAnotherWorld) {
   expectEqualContinuation(old, loaded);
 }
 
+TEST(SavedBodies, cutOnesContinueToTheBit) {
+  BulletWorld bullet, other;
+  SoftBodySystem system(*bullet.world), loaded(*other.world);
+  for (BulletWorld* world : {&bullet, &other}) world->addPlaneFloor();
+  SoftBody* cube = *system.createBody(test::tetrahedralCubeNetwork(), placed(0, 0.7, 0));
+  bullet.simulate(0.5);
+  const Result<std::uint32_t> points = cube->cut(vec(0, 0, 0), vec(1, 0, 0));
+  ASSERT_TRUE(points) << points.error();
+  ASSERT_GT(*points, 0u);
+  bullet.simulate(0.1);
+  const Bytes saved = system.saveBodies();
+  const Result<std::vector<SoftBody*>> copies = loaded.loadBodies(saved);
+  ASSERT_TRUE(copies) << copies.error();
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick();
+    other.tick();
+    ASSERT_EQ(cube->stateHash(), (*copies)[0]->stateHash()) << i;
+  }
+}
+
 TEST(SavedBodies, areInBulletsFiles) {
   Unlinked old;
   for (int i = 0; i < kSavedAt; ++i) old.tick(i);

@@ -151,6 +151,11 @@ void writePoint(SoftBodyData& body, std::uint32_t i) {
   point.setInterpolationLinearVelocity(velocity);
 }
 
+double inverseOf(double mass) {
+  const auto w = double(btScalar(1) / static_cast<btScalar>(mass));
+  return std::isfinite(w) ? w : 0.0;
+}
+
 void initializePointMasses(SoftBodyData& body) {
   PointMasses& m = body.masses;
   m.shape =
@@ -158,8 +163,7 @@ void initializePointMasses(SoftBodyData& body) {
   m.held.assign(pointCount(body), 0);
   m.startPosition = body.state.position;
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
-    const double w = double(btScalar(1) / settingsMassOf(body, i));
-    body.state.inverseMass.col(i).setConstant(std::isfinite(w) ? w : 0.0);
+    body.state.inverseMass.col(i).setConstant(inverseOf(body.model->masses[i]));
   }
 }
 

@@ -88,6 +88,10 @@ struct PointMasses {
                                      ///< created on first use
 };
 
+/// Returns the inverse (1/kg) of a mass of the settings, rounded as in Bullet's bodies; 0 where it is not
+/// finite.
+double inverseOf(double mass);
+
 /// Makes the shape and sets the inverse masses. Makes no bodies.
 void initializePointMasses(SoftBodyData& body);
 

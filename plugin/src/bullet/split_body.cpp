@@ -68,7 +68,7 @@ void sharePoints(SoftBodyData& body, const BodyModel& before, const Origins& poi
     const double now = body.model->masses[i], was = before.masses[pointOf[i]];
     if (now == was) continue;
     const auto column = static_cast<Eigen::Index>(i);
-    state.inverseMass.col(column) *= was / now;
+    for (double& w : state.inverseMass.col(column)) w = w == inverseOf(was) ? inverseOf(now) : w * was / now;
     for (Points* force : {&body.surface.force, &body.surface.newForce})
       if (force->cols() > 0) force->col(column) *= now / was;
   }
