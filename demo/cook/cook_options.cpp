@@ -69,10 +69,9 @@ void addBraces(CLI::App& app, CommandLine& line) {
 
 void addDetail(CLI::App& app, CommandLine& line) {
   CookOptions& o = line.options;
-  app.add_option(
-         "--points", o.points,
-         "about as many point masses (default: 150 to 400 by shape; with options of braces all of the "
-         "mesh, with --material 300)")
+  app.add_option("--points", o.points,
+                 "about as many point masses (default: 150 to 400 by shape; by hand all of the mesh, with "
+                 "--material 300)")
       ->check(wholeNumber(8, kMaxPoints));
   app.add_option(
          "--length", line.automatic.size,
@@ -111,6 +110,9 @@ bool given(const CLI::App& app, const char* option) { return app.count(option) >
 constexpr std::initializer_list<const char*> kByHand{"--braces",   "--brace-weight", "--max-braces",
                                                      "--seconds",  "--masses",       "--weld",
                                                      "--material", "--spacing",      "--neighbours"};
+
+constexpr char kByHandTitle[] =
+    "By hand (any of these replaces the automatic choice: braces, or tetrahedra with --material)";
 
 /// Returns the first of the options that is given, or an empty string.
 std::string firstGiven(const CLI::App& app, std::initializer_list<const char*> options) {
@@ -168,7 +170,8 @@ void complete(const CLI::App& app, CommandLine& line) {
     o.skin->weldTolerance = o.network.weldTolerance;
   }
   if (o.points > 0) o.materialMesh.points = o.points;
-  if (firstGiven(app, kByHand).empty() && !o.meshFile.empty()) {
+  o.byHand = firstGiven(app, kByHand);
+  if (o.byHand.empty() && !o.meshFile.empty()) {
     o.automatic = line.automatic;
     o.automatic->points = o.points;
     if (line.connect) o.automatic->pieces = PieceRule::Connected;
@@ -196,6 +199,7 @@ ParsedCookOptions parseCookOptions(int argc, char** argv) {
   addBraces(app, line);
   addDetail(app, line);
   addAnalysis(app, line);
+  for (const char* option : kByHand) app.get_option(option)->group(kByHandTitle);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

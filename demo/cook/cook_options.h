@@ -54,6 +54,7 @@ struct CookOptions {
   std::string meshFile;  ///< empty: `bodyFile` exists already and is only analysed
   std::string bodyFile;
   std::optional<CookSettings> automatic;  ///< cook() chooses; empty: the choices below
+  std::string byHand;                     ///< the option that replaced the automatic choice
   bool material = false;                  ///< tetrahedra instead of braces
   NetworkSettings network;
   MaterialMesh materialMesh;

@@ -16,7 +16,7 @@ struct CookReport {
   std::string meshFile;  ///< empty: the body was loaded, not cooked
   std::string bodyFile;
   SharedNetwork network;
-  std::vector<std::string> choices;  ///< of cook(), and the files of further bodies
+  std::vector<std::string> choices;  ///< of cook() and the files of further bodies, or of the user
   AnalysisSettings settings;
   NetworkAnalysis analysis;
   double cookSeconds = 0.0;

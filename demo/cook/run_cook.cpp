@@ -131,6 +131,9 @@ std::string makeBody(const CookOptions& options, CookReport& report) {
   if (!network) return network.error();
   report.network = *network;
   report.cookSeconds = secondsSince(start);
+  if (cook)
+    report.choices.push_back(std::string(options.material ? "tetrahedra" : "braces") + ", because of " +
+                             options.byHand);
   return cook ? saveNetwork(*report.network, options.bodyFile).error() : std::string();
 }
 
