@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // cook(): what becomes of meshes of every kind, and materials of what is not filled with tetrahedra.
 
+#include "mesh/triangle_bvh.h"
 #include "support/constants.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
@@ -164,6 +165,37 @@ TEST(Cook, limbsGetMorePointsInsteadOfMoreMass) {
       EXPECT_GT(c.bodies[0].volume, 0.0) << points;
       EXPECT_LE(c.bodies[0].network->restPoints.size(), points > 0 ? 375u : 400u);
     }
+}
+
+/// The largest distance of the mesh outside of a body's surface.
+double missedBy(const SpringNetwork& network, const TriangleMesh& mesh) {
+  const TriangleBvh bvh(network.restPoints, network.surface);
+  double largest = 0.0;
+  for (const Vector3d& p : mesh.positions)
+    if (!bvh.inside(p)) largest = std::max(largest, bvh.nearest(p).distance);
+  return largest;
+}
+
+TEST(Cook, tooFewPointsBecomeMoreInsteadOfLeavingPartsOut) {
+  CookSettings settings;
+  const TriangleMesh mesh = test_shapes::star();
+  for (const std::uint32_t points : {20u, 50u}) {
+    settings.points = points;
+    const CookedBody body = cooked(mesh, settings).bodies[0];
+    EXPECT_LT(missedBy(*body.network, mesh), 0.1) << points;  // of about 1 m
+    EXPECT_LE(body.network->restPoints.size(), 1.2 * 150.0) << points;
+  }
+}
+
+TEST(Cook, aBallOfAnyNumberOfPointsHasNoThinParts) {
+  CookSettings settings;
+  for (const std::uint32_t points : {50u, 70u, 100u, 120u, 200u}) {
+    settings.points = points;
+    const CookedBody body = cooked(ball(Vector3d::Zero()), settings).bodies[0];
+    EXPECT_GT(body.volume, 0.0) << points << ": it is thickened";
+    EXPECT_GT(static_cast<double>(body.network->restPoints.size()), points / 1.6) << points;
+    EXPECT_LT(static_cast<double>(body.network->restPoints.size()), 1.6 * points) << points;
+  }
 }
 
 TEST(Cook, aRingOfWireHasAboutTheChosenNumberOfPoints) {

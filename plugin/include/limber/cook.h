@@ -34,9 +34,10 @@ enum class PieceRule : std::uint8_t {
 struct CookSettings {
   std::optional<double> size;  ///< m, above 0: longest side of the whole mesh; default: meshes of 0.2 to 5 m
                                ///< keep their size, all others become 1 m long
-  std::uint32_t points = 0;    ///< about as many point masses for the largest body, 8 or more, or up to half
-                               ///< more if thin parts then keep their thickness; 0: 150 to 400, three across
-                               ///< the thin parts if possible
+  std::uint32_t points = 0;    ///< about as many point masses for the largest body, 8 or more; up to half
+                             ///< more or a third fewer if thin parts then keep their thickness, up to 150 if
+                             ///< fewer miss much of the mesh; 0: 150 to 400, three across the thin parts if
+                             ///< possible
   CookMode mode = CookMode::Tetrahedra;
   PieceRule pieces = PieceRule::Separate;
   std::optional<SkinKind> skin;  ///< default: Dense up to 5 000 vertices, else Sparse

@@ -219,10 +219,17 @@ double thickSpacing(const Solid& solid, double points) {
   return std::max(spacingFor(solid, points), std::sqrt(1.2 * kLatticeThickness * area / points));
 }
 
+/// A filling.
+struct CookedFilling {
+  TetrahedralMesh mesh;
+  double spacing = 0.0;      ///< m
+  bool isThickened = false;  ///< thin parts are thicker than in the mesh
+};
+
 /// Wraps a part so that nothing is thinner than the lattice, and fills it with about `points` points, which
 /// then move towards the surface of the solid. The volume, and so the number of points, grows with the
 /// thickness: the spacing is searched.
-Result<TetrahedralMesh> fillThickened(Builder& builder, const Part& part, const Solid& solid, double points) {
+Result<CookedFilling> fillThickened(Builder& builder, const Part& part, const Solid& solid, double points) {
   Result<TetrahedralMesh> best = Error{};
   SpacingSearch search{thickSpacing(solid, points)};
   double thickness = kLatticeThickness, used = search.spacing, nearest = HUGE_VAL;
@@ -246,15 +253,9 @@ Result<TetrahedralMesh> fillThickened(Builder& builder, const Part& part, const 
     else
       thickness *= kThicker;
   }
-  builder.choices.spacing = std::max(builder.choices.spacing, used);
-  return best;
+  if (!best) return Error{best.error()};
+  return CookedFilling{std::move(*best), used, true};
 }
-
-/// A filling, and whether thin parts are thicker than in the mesh.
-struct CookedFilling {
-  TetrahedralMesh mesh;
-  bool isThickened = false;
-};
 
 /// Largest ratio of points to the number that the user wants, and the ratio between two trials. Thickened
 /// parts have more mass than those of the mesh, by two thirds for a star; more points only cost time.
@@ -265,14 +266,25 @@ bool follows(const Part& part, const TetrahedralMesh& filling, double spacing) {
   return isConnected(filling) && largestMiss(part.welded, filling) < kMissed * spacing;
 }
 
-/// Fills a part whose thin parts keep their thickness, with about `points` points or, if these miss
-/// something, more: as many as are allowed if the user has not chosen their number. The result is empty if no
-/// filling follows the mesh, or if progress returns false.
-std::optional<TetrahedralMesh> fillExactly(Builder& builder, const Part& part, const Solid& solid,
-                                           double points) {
-  const double chosen = builder.settings.points > 0 ? 0.0 : kMaxPoints / wantedPoints(solid);
-  const double most = std::max(kMostExact, chosen) * points;
-  for (double trial = points; trial <= most; trial *= kMorePoints) {
+/// Returns the numbers of points, up to `most`, that are tried for a filling of about `points` points: if
+/// these miss something, more; then fewer, if the user has chosen their number. Lattices of symmetric bodies
+/// have few possible numbers of points.
+std::vector<double> trialsOf(const Builder& builder, double points, double most) {
+  std::vector<double> trials;
+  for (double trial = points; trial <= most; trial *= kMorePoints) trials.push_back(trial);
+  const double fewest = builder.settings.points > 0 ? points / kMostExact : points;
+  for (double trial = points / kMorePoints; trial >= fewest; trial /= kMorePoints) trials.push_back(trial);
+  return trials;
+}
+
+/// Fills a part whose thin parts keep their thickness. The result is empty if no filling follows the mesh, or
+/// if progress returns false.
+std::optional<CookedFilling> fillExactly(Builder& builder, const Part& part, const Solid& solid,
+                                         double points) {
+  // as many as are allowed if the user has not chosen their number
+  const double allowed = builder.settings.points > 0 ? 0.0 : kMaxPoints / wantedPoints(solid);
+  const double most = std::max(kMostExact, allowed) * points;
+  for (const double trial : trialsOf(builder, points, most)) {
     const double spacing = spacingFor(solid, trial);
     if (solid.thickness < spacing) continue;
     Result<TetrahedralMesh> filling =
@@ -281,30 +293,51 @@ std::optional<TetrahedralMesh> fillExactly(Builder& builder, const Part& part, c
     if (!builder.going) return std::nullopt;
     if (!filling || static_cast<double>(filling->points.size()) > most) continue;
     if (!follows(part, *filling, spacing)) continue;
-    builder.choices.spacing = std::max(builder.choices.spacing, spacing);
-    return std::move(*filling);
+    return CookedFilling{std::move(*filling), spacing, false};
   }
   return std::nullopt;
 }
 
+/// A thickened body that leaves out parts of the mesh as far as this fraction of its size, or has more than
+/// so many times the volume of a closed one, has too few points.
+constexpr double kMostMissed = 0.1, kMostGrown = 3.0;
+
+/// The ratio between two numbers of points, if the user's number is too small.
+constexpr double kEnough = 1.3;
+
+bool hasTooFewPoints(const Part& part, const Solid& solid, const TetrahedralMesh& filling) {
+  if (largestMiss(part.welded, filling) > kMostMissed * extent(part.welded.points)) return true;
+  return isOneSolid(part.welded.report) &&
+         std::abs(signedVolume(filling.points, filling.surface)) > kMostGrown * solid.volume;
+}
+
 /// Fills a part with tetrahedra. Where these would miss something, thin parts are thickened to what the
-/// lattice can follow.
+/// lattice can follow. It takes more points than the user wants, up to kMinPoints, if these are too few.
 Result<CookedFilling> fill(Builder& builder, const Part& part) {
   const Result<Solid> solid = solidOf(builder, part);
   if (!solid) return Error{solid.error()};
   const double points = pointsOf(builder, part, *solid);
   builder.choices.thickness = std::max(builder.choices.thickness, solid->thickness);
-  std::optional<TetrahedralMesh> exact = fillExactly(builder, part, *solid, points);
-  if (!builder.going) return Error{kEnded};
-  if (exact) return CookedFilling{std::move(*exact), false};
-  ++builder.choices.thickened;
-  Result<TetrahedralMesh> thickened = fillThickened(builder, part, *solid, points);
-  if (!builder.going) return Error{kEnded};
-  if (thickened) return CookedFilling{std::move(*thickened), true};
+  const auto taken = [&](CookedFilling filling) {
+    builder.choices.spacing = std::max(builder.choices.spacing, filling.spacing);
+    if (filling.isThickened) ++builder.choices.thickened;
+    return filling;
+  };
+  Result<CookedFilling> thickened = Error{};
+  for (double trial = points;; trial = std::min(kMinPoints, kEnough * trial)) {
+    std::optional<CookedFilling> exact = fillExactly(builder, part, *solid, trial);
+    if (!builder.going) return Error{kEnded};
+    if (exact) return taken(std::move(*exact));
+    thickened = fillThickened(builder, part, *solid, trial);
+    if (!builder.going) return Error{kEnded};
+    if (builder.settings.points == 0 || trial >= kMinPoints) break;
+    if (thickened && !hasTooFewPoints(part, *solid, thickened->mesh)) break;
+  }
+  if (thickened) return taken(std::move(*thickened));
   // one that misses something is better than none
   Result<TetrahedralMesh> rough = fillWithPoints(solid->surface, static_cast<std::size_t>(points));
   if (!rough) return Error{thickened.error()};
-  return CookedFilling{std::move(*rough), false};
+  return taken({std::move(*rough), spacingFor(*solid, points), false});
 }
 
 /// Smallest spring constants of thickened bodies, as fractions of Van Gelder's: their limbs are not exact
