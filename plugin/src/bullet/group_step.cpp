@@ -284,19 +284,30 @@ void guard(LinkedGroup& group, bool lasting, bool once) {
   }
 }
 
-/// Starts the energy limit of a body in three cases. Torn or inverted bodies in free motion: substeps that do
+/// s, the time for which a change of the tick's length counts.
+constexpr double kTickMemory = 0.25;
+
+void followTick(EnergyLimit& limit, double tick) {
+  const bool changes = limit.tick > 0.0 && limit.tick != tick;
+  limit.unsteady = changes ? kTickMemory : std::max(0.0, limit.unsteady - tick);
+  limit.tick = tick;
+}
+
+/// Starts the energy limit of a body in four cases. Torn or inverted bodies in free motion: substeps that do
 /// not resolve the volume force scale it down, which may add energy. If they resolve it, there is no limit:
 /// the energy oscillates with the motion, and a limit would remove energy in each oscillation. Bodies that
 /// bounce: a bounce is not exact if substeps hardly resolve the oscillations between bounces. Bodies with too
 /// few substeps (maxSubsteps): springs that reverse within a substep, as crushed ones do, add or remove
-/// energy at random. In the last two cases the bound is the energy in the first of these ticks, because the
-/// energy oscillates.
+/// energy at random. Undamped bodies with ticks of changing length: Verlet conserves a quantity near the
+/// energy, a different one for each substep. In the last three cases the bound is the energy in the first of
+/// these ticks, because the energy oscillates.
 void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see limitIslandEnergy()
   if (!isPlain(group.step)) return guard(group, false, false);
   const SoftBodyData& single = *group.bodies[0];
   const bool cut = group.cut && group.stepper == Stepper::Verlet;
-  const bool lasting = (cut || bounces(single.contacts)) && areSurfacesAtRest(single.contacts);
+  const bool drifts = !single.springs->damped && single.energyLimit.unsteady > 0.0;
+  const bool lasting = (cut || drifts || bounces(single.contacts)) && areSurfacesAtRest(single.contacts);
   const bool once = !anyNear(single) && isFolded(single);
   const bool free = (lasting || once) && isFreeBody(group);
   guard(group, free && lasting, free && once);
@@ -434,6 +445,7 @@ void chooseStepping(LinkedGroup& group, double tick) {
     problem.implicitPossible = false;
     setChoice(group, limber::chooseStepping(problem, group.stepping));
   }
+  for (SoftBodyData* body : group.bodies) followTick(body->energyLimit, tick);
   startEnergyLimit(group, tick);
   measureDrag(group, false);
   // other bodies may move it farther than was predicted for the body alone

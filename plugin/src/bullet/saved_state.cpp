@@ -35,7 +35,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 1};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 2};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -192,7 +192,8 @@ void transferState(Stream& stream, State& s) {
   for (auto* flag : {&s.energy.on, &s.energy.persists, &s.energy.forceScaled})
     transferFlag(stream, "energy limit", *flag);
   stream.value("energy limit", s.energy.bound);
-  stream.value("energy limit", s.energy.atEnd);
+  for (auto* number : {&s.energy.atEnd, &s.energy.tick, &s.energy.unsteady})
+    stream.value("energy limit", *number);
   stream.value("substeps", s.substeps);
   stream.value("stepper", s.stepper);
   transferFlag(stream, "stepper", s.prefersImplicit);

@@ -193,6 +193,8 @@ struct EnergyLimit {
   bool forceScaled = false;  ///< the volume force was scaled down at the start of the tick
   double bound = 0.0;        ///< J, if on
   double atEnd = 0.0;        ///< J, at the end of the last tick, if on
+  double tick = 0.0;         ///< s, length of the last tick; 0: there was none
+  double unsteady = 0.0;     ///< s, time for which the last change of the tick's length still counts
 };
 
 /// The region of a cut.
