@@ -333,7 +333,7 @@ def check_contact(program, _, bench):
         found, text = folder.bench("contact", "--quick", "--set", "repeats=1")
         runs = [one for one in found.runs if one.group != "memory"]
         expect({one.group for one in runs} == {"airborne", "landing", "rest", "asleep", "cloth", "dense", "pile"}, "roles")
-        engines = ({"Limber, default", "Limber, Collision::Points", "btSoftBody, 1 iteration", "btSoftBody, 4 iterations",
+        engines = ({"Limber, default", "Limber, Stepping::fast()", "Limber, Collision::Points", "btSoftBody, 1 iteration", "btSoftBody, 4 iterations",
                     "btSoftBody, 10 iterations", "btDeformable, implicit", "loose spheres"}
                    | {f"Limber, at most {n} substeps" for n in (5, 10, 20, 40)})
         expect({one.name for one in runs} == engines, "engines")
