@@ -127,8 +127,9 @@ LIMBER_API Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings
 /// triangulated and node transforms are applied. Normals and the first set of texture coordinates are kept if
 /// every mesh of the file has them. Vertices that are bit-equal in all of these are stored once. Positions
 /// are in the file's units. Errors name the file and the reason: missing or unreadable file, no triangles,
-/// and everything that validate(TriangleMesh) rejects, with the index. In OFF files assimp replaces indices
-/// that are out of range by the last vertex, without a message.
+/// and everything that validate(TriangleMesh) rejects, with the index in the mesh as assimp gives it: it
+/// numbers the vertices of OBJ files in the order in which triangles use them. In OFF files assimp replaces
+/// indices that are out of range by the last vertex, without a message.
 ///
 /// A damaged file can crash assimp, keep it busy for ever, or make it allocate all memory. The headers of PLY
 /// files, where this is frequent, are checked before assimp reads them; other faults are not caught. So read
