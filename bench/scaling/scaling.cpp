@@ -207,7 +207,7 @@ bool isHopeless(const Recording& r, double seconds) {
 void takeSample(Cubes& cubes, const WorkTime& time, Recording& r) {
   r.ticks.push_back(time.wallMs);
   r.ticksCpu.push_back(time.cpuMs);
-  scenes::add(r.own, ownPart(cubes));
+  r.own += ownPart(cubes);
   r.contacts.push_back(static_cast<double>(contactCount(cubes)));
   r.asleep.push_back(asleepShare(worldOf(cubes)));
   if (cubes.renderer) r.frames.push_back(draw(cubes));

@@ -108,18 +108,6 @@ Timeline timelineOf(double seconds, int framesPerSecond) {
   return {static_cast<std::int64_t>(ticks), framesPerSecond};
 }
 
-void add(TickProfile& sum, const TickProfile& step) {
-  sum.readMs += step.readMs;
-  sum.searchMs += step.searchMs;
-  sum.islandsMs += step.islandsMs;
-  sum.chooseMs += step.chooseMs;
-  sum.stepMs += step.stepMs;
-  sum.writeMs += step.writeMs;
-  sum.readBackMs += step.readBackMs;
-  sum.pointsStepped += step.pointsStepped;
-  sum.springSubsteps += step.springSubsteps;
-}
-
 void addFloor(Scene& scene, double halfSize, double friction) {
   constexpr double kHalfThickness = 1.0;
   constexpr double kBeyond = 10.0;  // what rolls off the grid does not fall

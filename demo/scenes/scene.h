@@ -201,9 +201,6 @@ struct TickTimes {
   TickProfile soft;  ///< the plugin's part
 };
 
-/// Adds the times and work of one step to a sum.
-void add(TickProfile& sum, const TickProfile& step);
-
 /// Steps the world by 1/60 s.
 TickTimes tick(Scene& scene);
 

@@ -197,6 +197,10 @@ TEST(Profile, countsTheWorkOfTheTick) {
   EXPECT_GT(p.chooseMs, 0.0);
   EXPECT_NEAR(p.totalMs(),
               p.readMs + p.searchMs + p.islandsMs + p.chooseMs + p.stepMs + p.writeMs + p.readBackMs, 1e-9);
+  TickProfile twice = p;
+  twice += p;
+  EXPECT_EQ(twice.totalMs(), 2.0 * p.totalMs());
+  EXPECT_EQ(twice.springSubsteps, 2 * p.springSubsteps);
 }
 
 TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {

@@ -49,7 +49,7 @@ class LIMBER_API Grab {
 
  private:
   friend LIMBER_API Result<Grab> grab(SoftBodySystem&, SoftBody*, std::uint32_t, const GrabSettings&);
-  static void mark(SpringConstraint& spring);
+  static void mark(SpringConstraint& spring);  // as one of a grab
 
   SoftBodySystem* system_ = nullptr;  // exists as long as one of the springs does
   Handle<SoftBody> body_;

@@ -59,6 +59,9 @@ struct TickProfile {
   std::size_t rigidParts = 0;      ///< convex parts of rigid objects that were tested against surfaces
   double beforeStepMs() const { return readMs + searchMs + islandsMs + chooseMs; }
   double totalMs() const { return beforeStepMs() + stepMs + writeMs + readBackMs; }
+
+  /// Adds all times and numbers, for sums over ticks.
+  LIMBER_API TickProfile& operator+=(const TickProfile& other);
 };
 
 /// Adds soft bodies to an existing btDiscreteDynamicsWorld.

@@ -20,8 +20,8 @@ constexpr double kTwoPi = 6.283185307179586;
 /// the place and damps motion in all directions.
 constexpr btScalar kSpringLength = 50;
 
-/// m. A limited pull is no longer, so that the springs stay along the axes, and no shorter, so that it hardly
-/// changes while the point moves in a tick.
+/// m, largest stretch of the springs of a limited pull: little beside their length, and much beside what the
+/// point moves in a tick.
 constexpr double kLongestPull = 2.0;
 
 btVector3 axisOf(int i) { return btVector3(i == 0, i == 1, i == 2); }
@@ -76,17 +76,14 @@ bool Grab::holds() const { return body_ && body_->alive() && springs_[0] && spri
 void Grab::moveTo(const btVector3& place, const btVector3& velocity) {
   if (!holds() || !isFinitePlace(place) || !isFinitePlace(velocity)) return;
   const btVector3 from = positionOfPoint(*body_, point_);
-  // the pull of the largest force at this distance d has the stiffness F / d
+  double stiffness = stiffness_, damping = damping_;
   const double distance = double((place - from).length());
-  const bool isLimited = maxForce_ > 0.0 && distance * stiffness_ > maxForce_;
-  const double damping = isLimited ? damping_ * std::sqrt(maxForce_ / (distance * stiffness_)) : damping_;
-  double stiffness = isLimited ? maxForce_ / distance : stiffness_;
-  btVector3 pull = place - from;
-  if (isLimited && distance > kLongestPull) {
-    pull *= static_cast<btScalar>(kLongestPull / distance);
-    stiffness = maxForce_ / kLongestPull;
+  if (maxForce_ > 0.0 && distance * stiffness_ > maxForce_) {
+    // the spring that pulls with the force F at the distance d has the stiffness F / d
+    damping *= std::sqrt(maxForce_ / (distance * stiffness_));
+    stiffness = maxForce_ / std::min(distance, kLongestPull);
   }
-  pull += static_cast<btScalar>(damping / stiffness) * velocity;
+  btVector3 pull = place - from + static_cast<btScalar>(damping / stiffness) * velocity;
   if (maxForce_ > 0.0 && double(pull.length()) * stiffness > maxForce_)
     pull *= static_cast<btScalar>(maxForce_ / stiffness) / pull.length();
   for (int i = 0; i < 3; ++i) {

@@ -463,11 +463,13 @@ void limitIslandEnergy(LinkedGroup& group, bool alone, bool joined) {
   measureDrag(group, joined);
 }
 
-double workOf(const LinkedGroup& group) {
+std::size_t springCount(const std::vector<SoftBodyData*>& bodies) {
   std::size_t springs = 0;
-  for (const SoftBodyData* body : group.bodies) springs += body->springs.size();
-  return double(springs) * group.substeps;
+  for (const SoftBodyData* body : bodies) springs += body->springs.size();
+  return springs;
 }
+
+double workOf(const LinkedGroup& group) { return double(springCount(group.bodies)) * group.substeps; }
 
 // --- after the step ----------------------------------------------------------------------------------------
 

@@ -259,12 +259,6 @@ double workOf(const Island& island) {
   return work;
 }
 
-std::size_t springCount(const Island& island) {
-  std::size_t springs = 0;
-  for (const SoftBodyData* body : island.softBodies) springs += body->springs.size();
-  return springs;
-}
-
 /// Finds the islands that a team steps.
 void findLarge(Islands& islands, const Parallel& parallel) {
   islands.large.clear();
@@ -275,7 +269,7 @@ void findLarge(Islands& islands, const Parallel& parallel) {
   for (std::uint32_t i = 0; i < islands.count; ++i) {
     const Island& island = islands.all[i];
     const bool isLarge =
-        parallel.isOn() && springCount(island) >= enough && workOf(island) >= kLargeShare * total;
+        parallel.isOn() && springCount(island.softBodies) >= enough && workOf(island) >= kLargeShare * total;
     (isLarge ? islands.large : islands.small).push_back(i);
   }
 }

@@ -116,6 +116,8 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
 
 // --- stepping ----------------------------------------------------------------------------------------------
 
+std::size_t springCount(const std::vector<SoftBodyData*>& bodies);
+
 /// Number of springs that must be computed in a tick.
 double workOf(const LinkedGroup& group);
 

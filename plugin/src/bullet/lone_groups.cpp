@@ -31,12 +31,6 @@ bool isDivided(const LinkedGroup& group) {
   return group.stepper == Stepper::Verlet && std::any_of(group.bodies.begin(), group.bodies.end(), isLarge);
 }
 
-std::size_t springCount(const LinkedGroup& group) {
-  std::size_t springs = 0;
-  for (const SoftBodyData* body : group.bodies) springs += body->springs.size();
-  return springs;
-}
-
 void countWork(const SoftBodyData& body, TickProfile& work) {
   const auto substeps = static_cast<std::size_t>(body.substeps);
   work.pointsStepped += pointCount(body);
@@ -52,7 +46,7 @@ void addBlocks(const TickProfile& blocks, double wallMs, TickProfile& profile) {
   const double sum = blocks.chooseMs + blocks.stepMs + blocks.writeMs;
   for (double TickProfile::*time : {&TickProfile::chooseMs, &TickProfile::stepMs, &TickProfile::writeMs})
     if (sum > 0.0) work.*time *= wallMs / sum;
-  addWork(work, profile);
+  profile += work;
 }
 
 }  // namespace
@@ -65,16 +59,6 @@ void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work) {
   }
   writeGroupToBullet(group, tick);
   if (!group.inIsland) numberIsland(group.bodies);
-}
-
-void addWork(const TickProfile& work, TickProfile& sum) {
-  sum.chooseMs += work.chooseMs;
-  sum.stepMs += work.stepMs;
-  sum.writeMs += work.writeMs;
-  sum.pointsStepped += work.pointsStepped;
-  sum.substeps += work.substeps;
-  sum.springSubsteps += work.springSubsteps;
-  sum.contacts += work.contacts;
 }
 
 // --- blocks ------------------------------------------------------------------------------------------------
@@ -125,7 +109,7 @@ void LoneGroups::makeBlocks() {
       blocks_.push_back(i);
       springs = 0;
     }
-    springs += springCount(*lone_[i]);
+    springs += springCount(lone_[i]->bodies);
   }
   blocks_.push_back(lone_.size());
 }
@@ -196,7 +180,7 @@ void LoneGroups::step(const AwakeGroups& groups, double tick, const Parallel& pa
       block.work = TickProfile();
       stepBlock(block, tick);
       const std::lock_guard<std::mutex> guard(lock_);
-      addWork(block.work, sum_);
+      sum_ += block.work;
     });
   });
   addBlocks(sum_, timer.lap(), profile);

@@ -74,8 +74,5 @@ class LoneGroups {
 /// Reports what the step of a group was, and writes it to Bullet.
 void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work);
 
-/// Adds the numbers of bodies, points, springs and contacts, and the times of the stages that blocks have.
-void addWork(const TickProfile& work, TickProfile& sum);
-
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -466,6 +466,18 @@ void SoftBodySystem::setParallelFor(ParallelFor run, std::size_t fromSprings) {
 
 const TickProfile& SoftBodySystem::profile() const { return impl_->step->profile; }
 
+TickProfile& TickProfile::operator+=(const TickProfile& other) {
+  for (auto time :
+       {&TickProfile::readMs, &TickProfile::searchMs, &TickProfile::islandsMs, &TickProfile::chooseMs,
+        &TickProfile::stepMs, &TickProfile::writeMs, &TickProfile::readBackMs})
+    this->*time += other.*time;
+  for (auto number : {&TickProfile::awakeBodies, &TickProfile::pointsStepped, &TickProfile::substeps,
+                      &TickProfile::springSubsteps, &TickProfile::contacts, &TickProfile::islands,
+                      &TickProfile::rigidParts})
+    this->*number += other.*number;
+  return *this;
+}
+
 double SoftBodySystem::tickFraction() const { return limber::tickFraction(*impl_->world); }
 
 // --- debug drawing -----------------------------------------------------------------------------------------

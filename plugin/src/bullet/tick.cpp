@@ -228,7 +228,7 @@ void SoftBodySystem::Impl::WorldStep::write(btScalar tick) {
     for (std::size_t g = begin; g < end; ++g)
       if (awake[g]->inIsland) writeGroup(*awake[g], tick, work);
     const std::lock_guard<std::mutex> guard(lock);
-    addWork(work, profile);
+    profile += work;
   });
   for (const Island& island : islands) numberIsland(island.softBodies);
   profile.awakeBodies = moving.size();

@@ -359,10 +359,6 @@ std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double
   return axis;
 }
 
-}  // namespace
-
-namespace {
-
 /// Returns the radius of the round rope that has the volume of a closed tube, or the circumference of an open
 /// one, whose radius is `radius`. A square tube has a circumference that is 13 % longer than that of the
 /// round one of its section.
