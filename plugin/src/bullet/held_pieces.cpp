@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -33,6 +34,71 @@ Vector3d worldPoint(const btTransform& pose, const Vector3d& own) {
   return toEigen(pose.getBasis()) * own + toEigen(pose.getOrigin());
 }
 
+HeldPiece pieceAt(Kind kind, const btTransform& pose, double margin) {
+  HeldPiece piece;
+  piece.kind = kind;
+  piece.axes = toEigen(pose.getBasis()).colwise().normalized();
+  piece.center = toEigen(pose.getOrigin());
+  piece.margin = margin;
+  return piece;
+}
+
+HeldPiece planePiece(const btStaticPlaneShape& plane, const btTransform& pose) {
+  HeldPiece piece = pieceAt(Kind::Plane, pose, 0.0);
+  piece.axes.col(1) = toEigen(pose.getBasis() * plane.getPlaneNormal()).normalized();
+  piece.center = toEigen(pose * (plane.getPlaneNormal() * plane.getPlaneConstant()));
+  return piece;
+}
+
+HeldPiece boxPiece(const btBoxShape& box, const btTransform& pose) {
+  HeldPiece piece = pieceAt(Kind::Box, pose, 0.0);
+  piece.size = toEigen(box.getHalfExtentsWithMargin());
+  return piece;
+}
+
+/// Returns a shape that is round about its own axis `axis`; `half` is half its height.
+HeldPiece roundPiece(Kind kind, const btTransform& pose, double margin, int axis, double radius,
+                     double half) {
+  HeldPiece piece = pieceAt(kind, pose, margin);
+  const Eigen::Matrix3d axes = piece.axes;
+  for (int i = 0; i < 3; ++i) piece.axes.col(i) = axes.col((axis + i + 2) % 3);
+  piece.size = {radius, half, radius};
+  return piece;
+}
+
+HeldPiece cylinderPiece(const btCylinderShape& cylinder, const btTransform& pose) {
+  const int axis = cylinder.getUpAxis();
+  const btVector3 half = cylinder.getHalfExtentsWithoutMargin();
+  return roundPiece(Kind::Cylinder, pose, double(cylinder.getMargin()), axis, double(half[axis == 0 ? 1 : 0]),
+                    double(half[axis]));
+}
+
+std::optional<HeldPiece> solidOf(const btCollisionShape& shape, const btTransform& pose) {
+  switch (shape.getShapeType()) {
+    case STATIC_PLANE_PROXYTYPE:
+      return planePiece(static_cast<const btStaticPlaneShape&>(shape), pose);
+    case BOX_SHAPE_PROXYTYPE:
+      return boxPiece(static_cast<const btBoxShape&>(shape), pose);
+    case SPHERE_SHAPE_PROXYTYPE:
+      return roundPiece(Kind::Capsule, pose, double(static_cast<const btSphereShape&>(shape).getRadius()), 1,
+                        0.0, 0.0);
+    case CAPSULE_SHAPE_PROXYTYPE: {
+      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
+      return roundPiece(Kind::Capsule, pose, double(capsule.getRadius()), capsule.getUpAxis(), 0.0,
+                        double(capsule.getHalfHeight()));
+    }
+    case CYLINDER_SHAPE_PROXYTYPE:
+      return cylinderPiece(static_cast<const btCylinderShape&>(shape), pose);
+    case CONE_SHAPE_PROXYTYPE: {
+      const auto& cone = static_cast<const btConeShape&>(shape);
+      return roundPiece(Kind::Cone, pose, double(shape.getMargin()), cone.getConeUpIndex(),
+                        double(cone.getRadius()), 0.5 * double(cone.getHeight()));
+    }
+    default:
+      return std::nullopt;
+  }
+}
+
 /// Collects the pieces of one object in a box.
 struct PieceCollector {
   const Eigen::AlignedBox3d& box;
@@ -41,74 +107,18 @@ struct PieceCollector {
   std::vector<HeldPiece>& pieces;
 
   void add(const btCollisionShape& shape, const btTransform& pose) {
-    if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) return addPlane(shape, pose);
+    if (const std::optional<HeldPiece> solid = solidOf(shape, pose)) return push(*solid);
     if (shape.isCompound()) return addChildren(static_cast<const btCompoundShape&>(shape), pose);
     if (shape.isConcave()) return addSheet(static_cast<const btConcaveShape&>(shape), pose);
     if (shape.isConvex()) addConvex(static_cast<const btConvexShape&>(shape), pose);
   }
 
-  HeldPiece& push(Kind kind) {
-    HeldPiece& piece = pieces.emplace_back();
-    piece.kind = kind;
-    piece.owner = owner;
-    return piece;
-  }
-
-  HeldPiece& pushSolid(Kind kind, const btTransform& pose, double margin) {
-    HeldPiece& piece = push(kind);
-    ++owner;
-    piece.axes = toEigen(pose.getBasis()).colwise().normalized();
-    piece.center = toEigen(pose.getOrigin());
-    piece.margin = margin;
-    return piece;
-  }
-
-  void addPlane(const btCollisionShape& shape, const btTransform& pose) {
-    const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
-    HeldPiece& piece = pushSolid(Kind::Plane, pose, 0.0);
-    piece.axes.col(1) = toEigen(pose.getBasis() * plane.getPlaneNormal()).normalized();
-    piece.center = toEigen(pose * (plane.getPlaneNormal() * plane.getPlaneConstant()));
-  }
-
-  /// Adds a shape that is round about its own axis `axis`; `half` is half its height.
-  void addRound(Kind kind, const btTransform& pose, double margin, int axis, double radius, double half) {
-    HeldPiece& piece = pushSolid(kind, pose, margin);
-    const Eigen::Matrix3d axes = piece.axes;
-    for (int i = 0; i < 3; ++i) piece.axes.col(i) = axes.col((axis + i + 2) % 3);
-    piece.size = {radius, half, radius};
+  void push(const HeldPiece& solid) {
+    pieces.push_back(solid);
+    pieces.back().owner = owner++;
   }
 
   void addConvex(const btConvexShape& shape, const btTransform& pose) {
-    const double margin = double(shape.getMargin());
-    switch (shape.getShapeType()) {
-      case BOX_SHAPE_PROXYTYPE: {
-        const btVector3 half = static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin();
-        pushSolid(Kind::Box, pose, 0.0).size = toEigen(half);
-        return;
-      }
-      case SPHERE_SHAPE_PROXYTYPE:
-        return addRound(Kind::Capsule, pose, double(static_cast<const btSphereShape&>(shape).getRadius()), 1,
-                        0.0, 0.0);
-      case CAPSULE_SHAPE_PROXYTYPE: {
-        const auto& capsule = static_cast<const btCapsuleShape&>(shape);
-        return addRound(Kind::Capsule, pose, double(capsule.getRadius()), capsule.getUpAxis(), 0.0,
-                        double(capsule.getHalfHeight()));
-      }
-      case CYLINDER_SHAPE_PROXYTYPE: {
-        const auto& cylinder = static_cast<const btCylinderShape&>(shape);
-        const int axis = cylinder.getUpAxis();
-        const btVector3 half = cylinder.getHalfExtentsWithoutMargin();
-        return addRound(Kind::Cylinder, pose, margin, axis, double(half[axis == 0 ? 1 : 0]),
-                        double(half[axis]));
-      }
-      case CONE_SHAPE_PROXYTYPE: {
-        const auto& cone = static_cast<const btConeShape&>(shape);
-        return addRound(Kind::Cone, pose, margin, cone.getConeUpIndex(), double(cone.getRadius()),
-                        0.5 * double(cone.getHeight()));
-      }
-      default:
-        break;
-    }
     const ShapeSurface& surface = shapes.surfaceOf(shape);
     if (!surface.topology.triangles.empty()) return addHull(surface, pose);
     if (shape.isPolyhedral()) addSegment(static_cast<const btPolyhedralConvexShape&>(shape), pose);
@@ -122,12 +132,14 @@ struct PieceCollector {
     shape.getVertex(0, from);
     shape.getVertex(count - 1, to);
     const Vector3d a = worldPoint(pose, toEigen(from)), b = worldPoint(pose, toEigen(to));
-    HeldPiece& piece = pushSolid(Kind::Capsule, pose, double(shape.getMargin()));
+    HeldPiece piece = pieceAt(Kind::Capsule, pose, double(shape.getMargin()));
     piece.center = 0.5 * (a + b);
     piece.size = {0.0, 0.5 * (b - a).norm(), 0.0};
-    if (!(piece.size[1] > 0.0)) return;
-    piece.axes.col(0) = (b - a).unitOrthogonal();
-    piece.axes.col(1) = (b - a).normalized();
+    if (piece.size[1] > 0.0) {
+      piece.axes.col(0) = (b - a).unitOrthogonal();
+      piece.axes.col(1) = (b - a).normalized();
+    }
+    push(piece);
   }
 
   /// Returns whether the hull has no volume.
@@ -144,7 +156,9 @@ struct PieceCollector {
   void addTriangle(Kind kind, const Vector3d (&corners)[3], double margin) {
     const Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     if (!(normal.squaredNorm() > 0.0)) return;
-    HeldPiece& piece = push(kind);
+    HeldPiece& piece = pieces.emplace_back();
+    piece.kind = kind;
+    piece.owner = owner;
     for (int i = 0; i < 3; ++i) piece.axes.col(i) = corners[i];
     piece.center = normal.normalized();
     piece.margin = margin;
@@ -247,6 +261,10 @@ bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector
 }
 
 }  // namespace
+
+std::optional<HeldPiece> solidOf(const btCollisionObject& object) {
+  return solidOf(*object.getCollisionShape(), object.getWorldTransform());
+}
 
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
                         std::uint32_t owner, std::vector<HeldPiece>& pieces) {

@@ -15,6 +15,7 @@
 #include "bullet/tick_contacts.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -161,9 +162,15 @@ void disablePointResponse(SoftBodyData& body) {
 }
 
 void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
-  body.partnerHandles.push_back(handleOf(partner));
-  body.partnerStamps.push_back(stampOf(partner));
-  body.partnerBoxes.push_back(boxOf(partner));
+  HeldPartner& held = body.heldPartners.emplace_back();
+  held.handle = handleOf(partner);
+  held.box = boxOf(partner);
+  if (isMoved(partner)) {
+    held.stamp = stampOf(partner);
+  } else if (const std::optional<HeldPiece> solid = solidOf(partner)) {
+    held.solid = body.held.pieces.size();
+    body.held.pieces.push_back(*solid);
+  }
 }
 
 /// Adds static and kinematic partners of a body in a box.
@@ -253,7 +260,7 @@ class Watch final : public SearchWatch {
       const btCollisionObject& partner = *body_->partners[p];
       const Eigen::Vector3d shifted = x - time / double(tick_) * kinematicDisplacement(partner, x);
       body_->state.position.col(i) = shifted;
-      addRows(*body_, i, partner, body_->partnerStamps[p], v, remaining, tick_);
+      addRows(*body_, i, partner, body_->heldPartners[p].stamp, v, remaining, tick_);
     }
     swapRows(found_, foundPartners_);
     body_->state.position.col(i) = x;
@@ -308,9 +315,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contactPartners.clear();
   body.held.pieces.clear();
   body.neighbourhoodCount = 0;
-  body.partnerHandles.clear();
-  body.partnerStamps.clear();
-  body.partnerBoxes.clear();
+  body.heldPartners.clear();
   body.speeds = contactSpeeds(body, double(tick));
   body.watch->start(tick);
   forgetPartners(body);
@@ -331,8 +336,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionAround(body, i, body.searchDistance[i]), tick);
     for (std::size_t p = 0; anyMoves && p < body.partners.size(); ++p)
-      addRows(body, i, *body.partners[p], body.partnerStamps[p], body.state.velocity.col(i), double(tick),
-              tick);
+      addRows(body, i, *body.partners[p], body.heldPartners[p].stamp, body.state.velocity.col(i),
+              double(tick), tick);
     // Bullet may free a manifold at any time after this
     if (!surface) body.masses.bodies[i]->cachedContact = nullptr;
   }

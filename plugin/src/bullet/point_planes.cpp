@@ -301,14 +301,21 @@ HeldPoint nearestOnFlat(const HeldPiece* first, const HeldPiece* end, const Vect
   return {side * below->center, side * height - below->margin, true};
 }
 
+/// The pieces around a point, indices in SoftBodyData::held.
+struct PieceRange {
+  std::size_t begin, end;
+
+  HeldPiece* first(SoftBodyData& body) const { return body.held.pieces.data() + begin; }
+  HeldPiece* last(SoftBodyData& body) const { return body.held.pieces.data() + end; }
+};
+
 /// Adds plane contacts: all surfaces nearby are flat.
-void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
-  const HeldSurroundings& all = body.held;
+void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, PieceRange range,
+                 btScalar tick) {
   const Vector3d x = body.state.position.col(i);
-  const HeldPiece* end = all.pieces.data() + all.pieces.size();
-  const HeldPiece* first = all.pieces.data() + body.staticPieces;
+  const HeldPiece *first = range.first(body), *end = range.last(body);
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneRows rows{body, i, *partner, searchRegion.distance, tick};
+    PlaneRows rows{body, i, *body.partners[partner], searchRegion.distance, tick};
     for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
       const HeldPoint nearest = nearestOnFlat(first, end, x, next);
       rows.addBelow(nearest.normal, nearest.height);
@@ -317,18 +324,19 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
 }
 
 /// Adds contacts that follow the surfaces nearby: for each owner one per direction in which it is near.
-void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
+void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, PieceRange range,
+                      btScalar tick) {
   if (body.neighbourhoodCount == body.neighbourhoods.size())
     body.neighbourhoods.push_back(std::make_unique<HeldNeighbourhood>());
   HeldNeighbourhood& around = *body.neighbourhoods[body.neighbourhoodCount++];
   around.all = &body.held;
-  around.begin = body.staticPieces, around.end = body.held.pieces.size();
+  around.begin = range.begin, around.end = range.end;
   around.radius = radiusOf(body);
   around.clear = 0.0;
   findContacts(around, body.state.position.col(i), Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneRows rows{body, i, *partner, searchRegion.distance, tick};
+    PlaneRows rows{body, i, *body.partners[partner], searchRegion.distance, tick};
     for (; owner < endOfOwners; ++owner) {
       bool any = false;
       for (const HeldContact& c : around.contacts) {
@@ -341,28 +349,45 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   }
 }
 
+/// Finds the partners at rest that point i may touch in the box. Returns their pieces: of a single convex
+/// solid those that all points share, else copies at the end of SoftBodyData::held.
+PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedBox3d& box) {
+  auto& partners = body.staticPartners;
+  partners.clear();
+  for (std::size_t p = 0; p < body.partners.size(); ++p)
+    if (!isMoved(*body.partners[p]) && box.intersects(body.heldPartners[p].box) &&
+        !(mayBeExcluded(body) && !canHit(body, i, *body.partners[p])))
+      partners.emplace_back(p, 1);
+  std::vector<HeldPiece>& pieces = body.held.pieces;
+  const auto solidOf = [&](std::size_t partner) { return body.heldPartners[partner].solid; };
+  if (partners.size() == 1 && solidOf(partners[0].first) != HeldPartner::kNoSolid)
+    return {solidOf(partners[0].first), solidOf(partners[0].first) + 1};
+  const std::size_t begin = pieces.size();
+  std::uint32_t owners = 0;
+  for (auto& [partner, endOfOwners] : partners) {
+    if (const std::size_t solid = solidOf(partner); solid != HeldPartner::kNoSolid) {
+      pieces.push_back(HeldPiece(pieces[solid]));
+      pieces.back().owner = owners++;
+    } else {
+      owners = addPieces(*body.partners[partner], box, *body.shapes, owners, pieces);
+    }
+    endOfOwners = owners;
+  }
+  return {begin, pieces.size()};
+}
+
 }  // namespace
 
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
-  body.staticPartners.clear();
-  body.staticPieces = body.held.pieces.size();
-  std::uint32_t owners = 0;
-  const Eigen::AlignedBox3d box(searchRegion.low, searchRegion.high);
-  for (std::size_t p = 0; p < body.partners.size(); ++p) {
-    const btCollisionObject* partner = body.partners[p];
-    if (isMoved(*partner) || !box.intersects(body.partnerBoxes[p])) continue;
-    if (mayBeExcluded(body) && !canHit(body, i, *partner)) continue;
-    owners = addPieces(*partner, box, *body.shapes, owners, body.held.pieces);
-    body.staticPartners.emplace_back(partner, owners);
-  }
-  HeldPiece *begin = body.held.pieces.data() + body.staticPieces,
-            *end = body.held.pieces.data() + body.held.pieces.size();
-  if (begin == end) return;
-  chooseSides(body, i, begin, end);
-  if (!areFlatAround(begin, end, body.state.position.col(i), radiusOf(body), searchRegion.distance))
-    return addFollowingRows(body, i, searchRegion, tick);
-  addFlatRows(body, i, searchRegion, tick);
-  body.held.pieces.resize(body.staticPieces);
+  const std::size_t before = body.held.pieces.size();
+  const PieceRange range = findPieces(body, i, {searchRegion.low, searchRegion.high});
+  HeldPiece *first = range.first(body), *last = range.last(body);
+  if (first == last) return;
+  chooseSides(body, i, first, last);
+  if (!areFlatAround(first, last, body.state.position.col(i), radiusOf(body), searchRegion.distance))
+    return addFollowingRows(body, i, searchRegion, range, tick);
+  addFlatRows(body, i, searchRegion, range, tick);
+  body.held.pieces.resize(before);
 }
 
 void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,

@@ -20,6 +20,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -171,6 +172,9 @@ struct ConcavePatch {
 RigidPart* trianglesIn(const SweptBox& box, const btCollisionObject& object, ConcavePatch& patch);
 
 // --- static and kinematic objects --------------------------------------------------------------------------
+
+/// Returns the piece of an object whose shape is one convex solid but not a hull, owner 0.
+std::optional<HeldPiece> solidOf(const btCollisionObject& object);
 
 /// Adds the pieces of an object's shape in a box (m, in the world): convex solids whole, hulls of many faces
 /// and sheets as triangles. Each solid and each sheet is one owner, numbered from `owner` on. Returns the

@@ -106,6 +106,16 @@ struct SweptBounds {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m, of the body as a whole
 };
 
+/// A static or kinematic object near a body in the present tick.
+struct HeldPartner {
+  ObjectHandle handle;
+  Eigen::AlignedBox3d box;  ///< m
+  std::uint64_t stamp = 0;  ///< see stampOf(); 0 if the object is at rest
+  static constexpr std::size_t kNoSolid = static_cast<std::size_t>(-1);
+  std::size_t solid = kNoSolid;  ///< index in SoftBodyData::held of its only piece, if it is
+                                 ///< one convex solid at rest
+};
+
 /// What a body knows of an object that was near in the last tick. Later its memory is reused.
 struct CachedSearch {
   const btCollisionObject* partner = nullptr;  ///< nullptr: none
@@ -236,21 +246,17 @@ struct SoftBodyData {
   std::vector<Anchor> anchors;
   std::vector<PlaneContact> contacts;                     ///< of the present tick, by point
   std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
-  std::vector<ObjectHandle> partnerHandles;               ///< of those partners
-  HeldSurroundings held;  ///< static pieces around the points that are not flat
-  std::vector<std::pair<const btCollisionObject*, std::uint32_t>> staticPartners;  ///< scratch of one point:
-                                                                                   ///< with the end of its
-                                                                                   ///< owners in `held`
-  std::size_t staticPieces = 0;  ///< scratch of one point: first of its pieces in `held`
-  std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;  ///< of points, in `held`; kept to reuse
-                                                                   ///< the memory
-  std::size_t neighbourhoodCount = 0;                              ///< of the present tick
-  std::vector<std::uint64_t> partnerStamps;                        ///< #partners, see stampOf()
-  std::vector<Eigen::AlignedBox3d> partnerBoxes;                   ///< #partners, m
-  std::vector<double> searchDistance;                              ///< #points, m, of the search for contacts
+  HeldSurroundings held;  ///< pieces at rest near the body, see addStaticRows()
+  std::vector<std::pair<std::size_t, std::uint32_t>> staticPartners;  ///< scratch of one point: indices in
+                                                                      ///< `partners`, ends of their owners
+  std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;     ///< of points, in `held`; kept to reuse
+                                                                      ///< the memory
+  std::size_t neighbourhoodCount = 0;                                 ///< of the present tick
+  std::vector<double> searchDistance;              ///< #points, m, of the search for contacts
   std::unique_ptr<SearchWatch> watch;              ///< finds contacts beyond the search distance
   ContactSpeeds speeds;                            ///< of the present tick
-  std::vector<const btCollisionObject*> partners;  ///< scratch of gatherContacts
+  std::vector<const btCollisionObject*> partners;  ///< static and kinematic, near in this tick
+  std::vector<HeldPartner> heldPartners;           ///< #partners, or empty
   std::vector<ObjectHandle> sensors;               ///< near in this tick, see addSensor()
   std::vector<btRigidBody*> freePartners;          ///< near in this tick, neither static nor kinematic
   std::vector<SoftBodyData*> softPartners;         ///< near in this tick, with surfaces

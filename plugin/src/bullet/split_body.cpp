@@ -86,7 +86,7 @@ void forgetShape(SoftBodyData& body) {
   if (s.shape) s.shape->setNetwork(*body.model->network);
   body.contacts.clear();
   body.contactPartners.clear();
-  body.partnerHandles.clear();
+  body.heldPartners.clear();
   body.report = ContactReport();
   body.energyLimit = EnergyLimit();
   body.rateHistory = RateHistory();

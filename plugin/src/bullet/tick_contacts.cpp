@@ -222,9 +222,9 @@ std::uint64_t planeKey(const SoftBodyData& body, std::size_t index) {
 }  // namespace
 
 const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index) {
-  const auto isPartner = [&](const ObjectHandle& h) { return h.object == body.contactPartners[index]; };
-  const auto it = std::find_if(body.partnerHandles.begin(), body.partnerHandles.end(), isPartner);
-  return it != body.partnerHandles.end() ? &*it : nullptr;
+  for (const HeldPartner& partner : body.heldPartners)
+    if (partner.handle.object == body.contactPartners[index]) return &partner.handle;
+  return nullptr;
 }
 
 void warmStart(TickContacts& contacts) {

@@ -229,6 +229,17 @@ bool isBlocked(const HeldNeighbourhood& around, const Approach& m, const HeldCon
   return false;
 }
 
+/// Finds the contact with one solid or triangle, at `nearest` or where the point will hit it. Returns whether
+/// the point can touch it.
+bool findContact(const Approach& m, const HeldPoint& nearest, double maxDistance, HeldContact& c) {
+  const double gap = nearest.height - m.radius;
+  if (gap > maxDistance) return false;
+  const bool hitsLater = gap > kTouching * m.radius && gap + nearest.normal.dot(m.path.displacement) < 0.0;
+  if (hitsLater) return advanceToImpact(m, c) != kNoImpact;
+  c = contactAt(m, nearest, m.x);
+  return true;
+}
+
 /// Whether x is kept, of two contacts with about the same normal. An edge that is flush with a face is no
 /// contact: it must stand out from the face. Gaps cannot decide this while the point is far away and the
 /// normals differ slightly.
@@ -310,6 +321,20 @@ HeldPoint nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d
   return nearestOnSheet(*first, x);
 }
 
+bool isSingleSolid(const HeldNeighbourhood& around) {
+  if (around.end != around.begin + 1) return false;
+  const Kind kind = around.all->pieces[around.begin].kind;
+  return kind != Kind::Face && kind != Kind::Sheet;
+}
+
+bool findContact(const HeldNeighbourhood& around, const Vector3d& x, const Vector3d& displacement,
+                 double within, HeldContact& contact) {
+  const HeldPiece* solid = around.all->pieces.data() + around.begin;
+  const Path path{x, displacement};
+  const Approach approach{solid, solid + 1, x, path, around.radius};
+  return findContact(approach, nearestOn(solid, solid + 1, x), within + displacement.norm(), contact);
+}
+
 void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& displacement, double within) {
   std::vector<HeldContact>& contacts = around.contacts;
   contacts.clear();
@@ -323,14 +348,11 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
     next = const_cast<HeldPiece*>(endOfSolid(first, end));
     if (first->kind == Kind::Sheet) updateSide(*first, x);
     const HeldPoint nearest = nearestOn(first, next, x);
-    const double gap = nearest.height - around.radius;
-    minGap = std::min(minGap, gap);
-    if (gap > maxDistance) continue;
+    minGap = std::min(minGap, nearest.height - around.radius);
     const Approach approach{first, next, x, path, around.radius};
-    HeldContact c = contactAt(approach, nearest, x);
-    const bool hitsLater = gap > kTouching * around.radius && gap + nearest.normal.dot(displacement) < 0.0;
-    if (hitsLater && advanceToImpact(approach, c) == kNoImpact) continue;
-    if (!isBlocked(around, approach, c)) addContact(contacts, c, around.radius);
+    HeldContact c;
+    if (findContact(approach, nearest, maxDistance, c) && !isBlocked(around, approach, c))
+      addContact(contacts, c, around.radius);
   }
   around.clearAt = x;
   around.clear = std::max(minGap, 0.0);

@@ -66,6 +66,13 @@ struct HeldNeighbourhood {
   double clear = 0.0;  ///< m, motion from there without a contact; 0: contact is possible at once
 };
 
+/// Whether the only piece near the point is a convex solid: nothing hides or covers its contact.
+bool isSingleSolid(const HeldNeighbourhood& around);
+
+/// Finds the contact with a single solid, see below. Returns false if there is none.
+bool findContact(const HeldNeighbourhood& around, const Eigen::Vector3d& x,
+                 const Eigen::Vector3d& displacement, double within, HeldContact& contact);
+
 /// Fills around.contacts with the possible contacts of a point at `x` that is about to move by `displacement`
 /// (m). Each is with the nearest of all surfaces around, at the point or where it will hit the surface.
 /// Contacts farther than `within` (m) beyond the displacement are left out, and so are edges and corners that

@@ -17,39 +17,60 @@ namespace limber {
 
 namespace {
 
-/// J, of the points that are not held.
-double kineticEnergyOf(const PointView& points, Eigen::Index count) {
+/// Adds up the change of the kinetic energy (J) of points that are not held, or nothing.
+template <bool kMeasured>
+struct EnergyChange {
   double sum = 0.0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d v = points.velocityOf(i), w = points.inverseMassOf(i);
-    for (int c = 0; c < 3; ++c) sum += w[c] > 0.0 ? 0.5 * v[c] * v[c] / w[c] : 0.0;
-  }
-  return sum;
-}
 
-void applyRate(double keep, const PointView& points, Eigen::Index count) {
+  void add(double before, double after, double inverseMass) {
+    if (kMeasured && inverseMass > 0.0) sum += 0.5 * (after - before) * (after + before) / inverseMass;
+  }
+};
+
+/// Applies the decay. Returns the change of energy, if `Change` measures it.
+template <class Change>
+double applyRate(double keep, const PointView& points, Eigen::Index count) {
+  Change change;
   double* v = points.velocity;
   const double* w = points.inverseMass;
   for (Eigen::Index i = 0; i < count; ++i, v += points.pointStride, w += points.pointStride)
-    for (int c = 0, at = 0; c < 3; ++c, at += points.axisStride) v[at] *= w[at] > 0.0 ? keep : 1.0;
+    for (int c = 0, at = 0; c < 3; ++c, at += points.axisStride) {
+      const double before = v[at];
+      v[at] *= w[at] > 0.0 ? keep : 1.0;
+      change.add(before, v[at], w[at]);
+    }
+  return change.sum;
 }
 
-/// Applies the decay, too. `axis`: the axis stride, a constant for bodies in arrays of their own.
-template <class Axis>
-void applyTerms(const PointDrag& drag, double keep, const PointView& points, Eigen::Index count, double dt,
-                Axis axis) {
+/// Applies the decay and the terms. `axis`: the axis stride, a constant for bodies in arrays of their own.
+template <class Change, class Axis>
+double applyTerms(const PointDrag& drag, double keep, const PointView& points, Eigen::Index count, double dt,
+                  Axis axis) {
+  Change change;
   const double* t = drag.terms.data();
   double* v = points.velocity;
   const double* w = points.inverseMass;
   for (Eigen::Index i = 0; i < count; ++i) {
     const double s = std::min(dt, t[9]), wx = w[0], wy = w[axis], wz = w[2 * axis];
-    const double x = v[0] * (wx > 0.0 ? keep : 1.0), y = v[axis] * (wy > 0.0 ? keep : 1.0),
-                 z = v[2 * axis] * (wz > 0.0 ? keep : 1.0);
+    const double before[] = {v[0], v[axis], v[2 * axis]};
+    const double x = before[0] * (wx > 0.0 ? keep : 1.0), y = before[1] * (wy > 0.0 ? keep : 1.0),
+                 z = before[2] * (wz > 0.0 ? keep : 1.0);
     v[0] = x + s * wx * (t[6] - (t[0] * x + t[3] * y + t[5] * z));
     v[axis] = y + s * wy * (t[7] - (t[3] * x + t[1] * y + t[4] * z));
     v[2 * axis] = z + s * wz * (t[8] - (t[5] * x + t[4] * y + t[2] * z));
+    for (int c = 0; c < 3; ++c) change.add(before[c], v[c * axis], w[c * axis]);
     t += PointDrag::kTerms, v += points.pointStride, w += points.pointStride;
   }
+  return change.sum;
+}
+
+template <class Change>
+double applyAll(const PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
+  const double keep = drag.rate > 0.0 ? std::exp(-drag.rate * dt) : 1.0;
+  if (drag.terms.cols() == 0) return applyRate<Change>(keep, points, count);
+  if (points.axisStride == 1)
+    return applyTerms<Change>(drag, keep, points, count, dt, std::integral_constant<int, 1>());
+  return applyTerms<Change>(drag, keep, points, count, dt, points.axisStride);
 }
 
 }  // namespace
@@ -84,15 +105,10 @@ double limitDrag(PointDrag& drag, const Points& inverseMass) {
 }
 
 void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
-  if (drag.measured) drag.work -= kineticEnergyOf(points, count);
-  const double keep = drag.rate > 0.0 ? std::exp(-drag.rate * dt) : 1.0;
-  if (drag.terms.cols() == 0)
-    applyRate(keep, points, count);
-  else if (points.axisStride == 1)
-    applyTerms(drag, keep, points, count, dt, std::integral_constant<int, 1>());
+  if (drag.measured)
+    drag.work += applyAll<EnergyChange<true>>(drag, points, count, dt);
   else
-    applyTerms(drag, keep, points, count, dt, points.axisStride);
-  if (drag.measured) drag.work += kineticEnergyOf(points, count);
+    applyAll<EnergyChange<false>>(drag, points, count, dt);
 }
 
 // --- air and water -----------------------------------------------------------------------------------------

@@ -74,6 +74,15 @@ PlaneContact* unusedRowFor(const HeldContact& c, PlaneContact* rows, std::size_t
   return best;
 }
 
+/// Sets the row's plane to that of the contact.
+void setPlane(PlaneContact& row, const HeldContact& c, const PointView& points) {
+  row.away = c.normal.dot(row.facing) < 0.0;
+  row.normal = c.normal;
+  row.surfaceVelocity -= c.normal.dot(row.surfaceVelocity) * c.normal;
+  row.touch = c.touch;
+  row.mass = massAlongNormal(row, points);
+}
+
 /// The case of most points: one fixed plane.
 bool isSingleFixedPlane(const PlaneContact* rows, std::size_t count) { return count == 1 && !rows->around; }
 
@@ -154,17 +163,19 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
                    const Eigen::Vector3d& displacement, double within) {
   HeldNeighbourhood* around = neighbourhoodOf(rows, count);
   if (!around) return;
+  if (count == 1 && isSingleSolid(*around)) {
+    HeldContact c;
+    if (findContact(*around, points.positionOf(rows->point), displacement, within, c))
+      setPlane(*rows, c, points);
+    else
+      rows->away = true, rows->mass = 0.0;
+    return;
+  }
   findContacts(*around, points.positionOf(rows->point), displacement, within);
   for (std::size_t i = 0; i < count; ++i)
     if (rows[i].around) rows[i].away = true, rows[i].mass = 0.0;
   for (const HeldContact& c : around->contacts) {
-    PlaneContact* row = unusedRowFor(c, rows, count);
-    if (!row) continue;
-    row->away = c.normal.dot(row->facing) < 0.0;
-    row->normal = c.normal;
-    row->surfaceVelocity -= c.normal.dot(row->surfaceVelocity) * c.normal;
-    row->touch = c.touch;
-    row->mass = massAlongNormal(*row, points);
+    if (PlaneContact* row = unusedRowFor(c, rows, count)) setPlane(*row, c, points);
   }
 }
 
