@@ -6,6 +6,7 @@
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>
@@ -46,6 +47,25 @@ SoftBody* addLightlyDampedCube(SoftBodySystem& system, double height, double x =
   s.damping = 2;
   s.pointRadius = kRadius;
   return *system.createBody(test::closedCubeNetwork(), s);
+}
+
+/// A cloth falls on two balls. Points near both have contacts that follow the two surfaces.
+TEST(ContactReport, hasNoContactsOfPointsThatHaveNotTouched) {
+  for (const double level : {-10.0, 0.0, 10.0}) {
+    BulletWorld bullet;
+    for (const double x : {-0.4, 0.4}) bullet.add(std::make_unique<btSphereShape>(0.5f), 0, vec(x, level, 0));
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, level + 0.55, 0};
+    s.pointRadius = kRadius;
+    SoftBody* cloth = *system.createBody(*buildCloth({}), s);
+    for (int i = 0; i < 60; ++i) {
+      bullet.tick();
+      for (const SoftContact& c : cloth->contacts())
+        ASSERT_GT(c.distance, -kRadius) << level << ", tick " << i;
+    }
+    EXPECT_GT(cloth->contacts().size(), 0u);
+  }
 }
 
 TEST(ContactListener, tellsOfACubeThatFallsBouncesRestsAndIsLifted) {

@@ -6,6 +6,7 @@
 #include "support/networks.h"
 #include "support/tested_way.h"
 
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 #include <limber/spring_network.h>
 
@@ -432,6 +433,23 @@ TEST(PinsNearby, contactsBetweenHeldPointsPushNothing) {
       EXPECT_LT(cloths.total, 1.0) << apart << (attached ? " attached" : " pinned");
       EXPECT_EQ(cloths.restorations, 0u);
     }
+}
+
+/// The free points of a rope with one spring have no extent: its inertia is 0, and must not be its rounding.
+TEST(PinsNearby, aRopeOfOneSpringHangs) {
+  for (const double degrees : {0.0, 0.1, 20.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.totalMass = 0.2;
+    s.damping = 1.0;
+    s.rotation = Eigen::AngleAxisd(degrees * M_PI / 180.0 - M_PI / 2.0, Eigen::Vector3d::UnitZ());
+    SoftBody* rope = *system.createBody(*buildRope({1, 1, 0}), s);
+    ASSERT_TRUE(rope->pin(0));
+    bullet.simulate(5.0);
+    EXPECT_EQ(rope->restorations(), 0u) << degrees;
+    EXPECT_NEAR(rope->position(1).norm(), 1.0 + 0.1 * 9.81 / 1000.0, 1e-4) << degrees;
+  }
 }
 
 TEST(PinsNearby, pinsOfTwoCubesMoveToOnePlace) {

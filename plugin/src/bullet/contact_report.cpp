@@ -69,6 +69,8 @@ void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
     const ObjectHandle* handle = partnerHandle(body, i);
     if (!handle || !isValid(world, *handle)) continue;
     const PlaneContact& row = body.contacts[i];
+    // its plane is that of the last contact, if there was any
+    if (row.away && row.impulse.sum.isZero(0.0)) continue;
     const Vector3d x = body.state.position.col(row.point);
     const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
     const SoftContact c =

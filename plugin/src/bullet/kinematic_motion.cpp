@@ -74,13 +74,36 @@ bool isFollowed(const btCollisionObject& object) {
   return isKinematic(object) && object.getBroadphaseHandle() && !isSoft(&object);
 }
 
+/// Returns whether Bullet's velocity leads from the start to the target in m.ticksLeft ticks. Bullet rounds
+/// the angles of small rotations.
+bool isReachedByVelocity(const KinematicMotion& m, btScalar tick) {
+  constexpr double kShare = 0.01, kRounding = 1e-5, kRoundedAngle = 2e-3, kHalfTurn = 3.0;
+  const double time = m.ticksLeft * double(tick);
+  const Eigen::Vector3d way = time * toEigen(m.object->getInterpolationLinearVelocity()),
+                        turn = time * toEigen(m.object->getInterpolationAngularVelocity());
+  const Eigen::Vector3d rest = difference(m.target.getOrigin(), m.start.getOrigin()) - way;
+  if (rest.norm() > kShare * way.norm() + kRounding * double(m.target.getOrigin().length())) return false;
+  const Eigen::Vector3d turned =
+      rotationBetween(toEigen(m.start.getRotation()), toEigen(m.target.getRotation()));
+  return turn.norm() > kHalfTurn || (turned - turn).norm() < kShare * turn.norm() + kRoundedAngle;
+}
+
+/// Starts the motion to a new pose. Where Bullet's velocity does not lead there, the user has placed the
+/// object elsewhere, with both of its poses, before its motion in this step.
+void startMotion(KinematicMotion& m, btScalar tick) {
+  // it got to its last target, in fewer ticks than were expected
+  if (m.ticksLeft > 0) m.start = m.target;
+  m.target = m.object->getWorldTransform();
+  m.ticksLeft = m.start == m.target ? 0 : ticksOf(m, tick);
+  if (m.ticksLeft == 0 || isPlaced(*m.object)) return;
+  if (!(m.object->getInterpolationWorldTransform() == m.target) || isReachedByVelocity(m, tick)) return;
+  m.start = startOfNew(*m.object, tick);
+  m.ticksLeft = 1;
+}
+
 void advance(KinematicMotion& m, btScalar tick) {
-  const btTransform& pose = m.object->getWorldTransform();
   m.start = m.end;
-  if (!(pose == m.target) || m.ticksLeft < 1) {
-    m.target = pose;
-    m.ticksLeft = m.start == pose ? 0 : ticksOf(m, tick);
-  }
+  if (!(m.object->getWorldTransform() == m.target) || m.ticksLeft < 1) startMotion(m, tick);
   m.end = m.ticksLeft > 1 ? interpolate(m.start, m.target, btScalar(1) / btScalar(m.ticksLeft)) : m.target;
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }

@@ -72,13 +72,21 @@ void addFace(const btConvexHullComputer& hull, int face, SurfaceFeatures& featur
     features.triangles.push_back({corner(first), corner(edge), corner(edge->getNextEdgeOfFace())});
 }
 
+/// Returns the point nearest to a vertex of their hull. Bullet rounds the vertices to 1e-4 of the hull's
+/// size: edges would be inside the solid, which then covers their contacts.
+Vector3d nearestOf(const std::vector<btVector3>& points, const btVector3& vertex) {
+  return toEigen(*std::min_element(points.begin(), points.end(), [&](const btVector3& a, const btVector3& b) {
+    return a.distance2(vertex) < b.distance2(vertex);
+  }));
+}
+
 ShapeSurface hullOf(const std::vector<btVector3>& points, double radius) {
   if (points.empty()) return {};
   btConvexHullComputer hull;
   hull.compute(&points[0].x(), static_cast<int>(sizeof(btVector3)), static_cast<int>(points.size()), 0, 0);
   Corners corners;
   Vector3d center = Vector3d::Zero();
-  for (int i = 0; i < hull.vertices.size(); ++i) corners.push_back(toEigen(hull.vertices[i]));
+  for (int i = 0; i < hull.vertices.size(); ++i) corners.push_back(nearestOf(points, hull.vertices[i]));
   for (const Vector3d& corner : corners) center += corner / static_cast<double>(corners.size());
   SurfaceFeatures features;
   for (int i = 0; i < hull.faces.size(); ++i) addFace(hull, hull.faces[i], features);

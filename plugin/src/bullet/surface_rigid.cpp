@@ -71,8 +71,10 @@ RigidFit fitRigid(const MotionSums& s, const Vector3d& from) {
   const double* m = s.second;
   Matrix3d second;
   second << m[0], m[3], m[5], m[3], m[1], m[4], m[5], m[4], m[2];
+  const double rounding = 1e-12 * second.trace();
   second -= moment * c.transpose();
-  setInertia(fit, second.trace() * Matrix3d::Identity() - second);
+  // a single free point has none
+  if (second.trace() > rounding) setInertia(fit, second.trace() * Matrix3d::Identity() - second);
   fit.center = from + c;
   fit.velocity = momentum / fit.mass;
   fit.spin = fit.inverseInertia * (Vector3d(s.angular) - c.cross(momentum));
