@@ -234,6 +234,19 @@ TEST(Cook, farPiecesAreBodiesOfTheirOwnOrConnected) {
   EXPECT_LT(skinError(*together.bodies[0].network, mesh, 1.0), 1e-5);
 }
 
+/// As a scan has them: no rod leads to them.
+TEST(Cook, crumbsAreLeftOut) {
+  const TriangleMesh alone = ball(Vector3d::Zero());
+  const TriangleMesh crumbs =
+      joined(scaled(ball({900.0, 0.0, 0.0}), 1e-3), scaled(ball({0.0, 400.0, 0.0}), 2e-3));
+  CookSettings settings;
+  settings.points = 60;
+  const CookedMesh cookedAlone = cooked(alone, settings),
+                   withCrumbs = cooked(joined(alone, crumbs), settings);
+  ASSERT_EQ(withCrumbs.bodies.size(), 1u);
+  EXPECT_EQ(withCrumbs.bodies[0].network->restPoints, cookedAlone.bodies[0].network->restPoints);
+}
+
 TEST(Cook, sheetsBecomeClothAndTubesRopes) {
   for (const double wave : {0.0, 0.15}) {
     const CookedMesh cloth = cooked(flag(wave));

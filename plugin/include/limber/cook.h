@@ -65,6 +65,9 @@ struct CookedMesh {
 /// - One closed surface is filled with tetrahedra. Parts that are too thin for them are thickened.
 /// - Any other mesh is wrapped first, see wrap(). Pieces nearer than `wrap.join` are one body.
 /// - Sheets (a single open piece with a long border, or flat) become cloths, thin tubes ropes.
+/// - Crumbs are left out: pieces smaller than 0.5 % of the largest, and farther than `wrap.join` from all
+///   larger ones.
+/// - Meshes of more than 32 separate pieces, such as trees with leaves, are one body: rods join the pieces.
 /// - The mesh is drawn by a skin. Sheets are drawn by their own points, ropes as tubes.
 /// Deterministic. Takes seconds for 50 000 vertices. Errors: those of weld(), wrap() and of the builders;
 /// settings out of range; progress that returned false.

@@ -19,7 +19,7 @@ namespace limber {
 
 /// Coefficients of the forces of air and water on a body, and its own linear drag. A triangle of area A whose
 /// plane makes the angle alpha with a flow of relative speed u and density rho has
-///     drag = 1/2 rho u^2 A sin(alpha) (drag - lift cos^2(alpha)),   lift = 1/2 rho u^2 A lift sin cos,
+///     drag = 1/2 rho u^2 A sin(alpha) (drag - lift (1 - sin(alpha))),   lift = 1/2 rho u^2 A lift sin cos,
 /// so `drag` is that of a plate broadside to the flow, and a sphere's by its frontal area if `lift` is 0.
 /// Each triangle of a closed surface counts half, since its windward and its leeward side have equal areas.
 /// The segments of ropes are cylinders of the point radius, with the drag of the flow across them. (S. F.

@@ -77,6 +77,46 @@ std::vector<std::uint32_t> bodyOfTriangles(const WeldedMesh& welded, const Trian
   return body;
 }
 
+/// Returns the extents (m) of the components.
+std::vector<double> extentsOf(const SurfaceComponents& components, const WeldedMesh& welded) {
+  std::vector<Eigen::AlignedBox3d> boxes(components.count);
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t)
+    for (const std::uint32_t corner : welded.triangles[t])
+      boxes[components.ofTriangle[t]].extend(welded.points[corner]);
+  std::vector<double> extents;
+  for (const Eigen::AlignedBox3d& box : boxes) extents.push_back(box.diagonal().norm());
+  return extents;
+}
+
+/// Returns the triangles without those of crumbs, as scans have them: pieces that are too small for a body,
+/// and farther than `join` (m) from all larger ones.
+std::vector<Triangle> withoutCrumbs(const TriangleMesh& mesh, const WeldedMesh& welded, double join) {
+  const SurfaceComponents components = findComponents(welded.points.size(), welded.triangles);
+  const std::vector<double> extents = extentsOf(components, welded);
+  const double least = kMinPartSize * *std::max_element(extents.begin(), extents.end());
+  const auto isSmall = [&](std::size_t t) { return extents[components.ofTriangle[t]] < least; };
+  std::vector<Triangle> large, kept;
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t)
+    if (!isSmall(t)) large.push_back(welded.triangles[t]);
+  const TriangleBvh bvh(welded.points, large);
+  std::vector<unsigned char> near(components.count, 0);
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
+    const Eigen::Vector3d& corner = welded.points[welded.triangles[t][0]];
+    if (isSmall(t) && bvh.nearest(corner).distance <= join) near[components.ofTriangle[t]] = 1;
+  }
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t)
+    if (!isSmall(t) || near[components.ofTriangle[t]])
+      kept.push_back(mesh.triangles[welded.keptTriangles[t]]);
+  return kept;
+}
+
+/// Returns the distance (m) up to which wrap() joins pieces of the mesh.
+double joinOf(const WrapSettings& settings, const TriangleMesh& mesh) {
+  if (settings.join > 0.0) return settings.join;
+  return kWrapWidths *
+         (settings.resolution > 0.0 ? settings.resolution : extent(mesh.positions) / kWrapCells);
+}
+
 void leaveOutTinyOnes(std::vector<Part>& parts) {
   double largest = 0.0;
   for (const Part& part : parts) largest = std::max(largest, extent(part.welded.points));
@@ -98,6 +138,9 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
   Result<Part> whole = makePart(mesh);
   if (!whole) return Error{whole.error()};
   if (whole->welded.report.components > 1 && mayBeApart) {
+    std::vector<Triangle> kept = withoutCrumbs(mesh, whole->welded, joinOf(settings, mesh));
+    if (kept.size() < whole->welded.triangles.size())
+      return splitIntoParts(partOf(mesh, std::move(kept)), settings, mayBeApart);
     const Result<WrappedMesh> wrapped = wrapOfField(mesh, settings, "wrap.");
     if (!wrapped) return Error{wrapped.error()};
     const Shells shells = findShells(wrapped->mesh);
