@@ -42,10 +42,10 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
 
-/// Returns the start pose of an object that is new in the world. Bullet's velocity contains its motion since
-/// its creation, but also a first placement. A displacement of more than half its size in a tick is taken for
+/// Returns the start pose of an object that is new in the world, or new at its place. Bullet's velocity
+/// contains its motion since then, but also a first placement. A displacement of more than half its size in a tick is taken for
 /// a placement.
-btTransform startOfNew(const btCollisionObject& object, btScalar tick) {
+btTransform startOfPlaced(const btCollisionObject& object, btScalar tick) {
   const btTransform& target = object.getWorldTransform();
   btTransform start;
   btTransformUtil::integrateTransform(target, -object.getInterpolationLinearVelocity(),
@@ -97,7 +97,7 @@ void startMotion(KinematicMotion& m, btScalar tick) {
   m.ticksLeft = m.start == m.target ? 0 : ticksOf(m, tick);
   if (m.ticksLeft == 0 || isPlaced(*m.object)) return;
   if (!(m.object->getInterpolationWorldTransform() == m.target) || isReachedByVelocity(m, tick)) return;
-  m.start = startOfNew(*m.object, tick);
+  m.start = startOfPlaced(*m.object, tick);
   m.ticksLeft = 1;
 }
 
@@ -176,7 +176,7 @@ void KinematicMotions::follow(const btDiscreteDynamicsWorld& world, const Moving
     const KinematicMotion* before = lastMotion(object);
     KinematicMotion motion = before ? *before : newMotion(object);
     if (!before)
-      motion.end = startOfNew(object, tick);
+      motion.end = startOfPlaced(object, tick);
     else if (motion.recordedBetweenSteps && isPlaced(object))
       motion.end = object.getWorldTransform();
     motion.recordedBetweenSteps = false;

@@ -72,21 +72,29 @@ void addFace(const btConvexHullComputer& hull, int face, SurfaceFeatures& featur
     features.triangles.push_back({corner(first), corner(edge), corner(edge->getNextEdgeOfFace())});
 }
 
-/// Returns the point nearest to a vertex of their hull. Bullet rounds the vertices to 1e-4 of the hull's
-/// size: edges would be inside the solid, which then covers their contacts.
-Vector3d nearestOf(const std::vector<btVector3>& points, const btVector3& vertex) {
-  return toEigen(*std::min_element(points.begin(), points.end(), [&](const btVector3& a, const btVector3& b) {
-    return a.distance2(vertex) < b.distance2(vertex);
-  }));
+/// Returns the vertices of the hull of the points. Bullet rounds them to 1e-4 of the hull's size: edges would
+/// be inside the solid, which then covers their contacts. So each is the point nearest to it, unless that is
+/// another vertex already.
+Corners cornersOf(const btConvexHullComputer& hull, const std::vector<btVector3>& points) {
+  Corners corners;
+  std::vector<unsigned char> taken(points.size(), 0);
+  for (int i = 0; i < hull.vertices.size(); ++i) {
+    const btVector3& vertex = hull.vertices[i];
+    const auto nearest = std::min_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
+      return a.distance2(vertex) < b.distance2(vertex);
+    });
+    const bool isFree = !std::exchange(taken[static_cast<std::size_t>(nearest - points.begin())], 1);
+    corners.push_back(toEigen(isFree ? *nearest : vertex));
+  }
+  return corners;
 }
 
 ShapeSurface hullOf(const std::vector<btVector3>& points, double radius) {
   if (points.empty()) return {};
   btConvexHullComputer hull;
   hull.compute(&points[0].x(), static_cast<int>(sizeof(btVector3)), static_cast<int>(points.size()), 0, 0);
-  Corners corners;
+  const Corners corners = cornersOf(hull, points);
   Vector3d center = Vector3d::Zero();
-  for (int i = 0; i < hull.vertices.size(); ++i) corners.push_back(nearestOf(points, hull.vertices[i]));
   for (const Vector3d& corner : corners) center += corner / static_cast<double>(corners.size());
   SurfaceFeatures features;
   for (int i = 0; i < hull.faces.size(); ++i) addFace(hull, hull.faces[i], features);

@@ -111,6 +111,7 @@ struct HeldPartner {
   ObjectHandle handle;
   Eigen::AlignedBox3d box;  ///< m
   std::uint64_t stamp = 0;  ///< see stampOf(); 0 if the object is at rest
+
   static constexpr std::size_t kNoSolid = static_cast<std::size_t>(-1);
   std::size_t solid = kNoSolid;  ///< index in SoftBodyData::held of its only piece, if it is
                                  ///< one convex solid at rest

@@ -77,14 +77,14 @@ std::vector<std::uint32_t> bodyOfTriangles(const WeldedMesh& welded, const Trian
   return body;
 }
 
-/// Returns the extents (m) of the components.
+/// Returns the longest sides (m) of the components' boxes.
 std::vector<double> extentsOf(const SurfaceComponents& components, const WeldedMesh& welded) {
   std::vector<Eigen::AlignedBox3d> boxes(components.count);
   for (std::size_t t = 0; t < welded.triangles.size(); ++t)
     for (const std::uint32_t corner : welded.triangles[t])
       boxes[components.ofTriangle[t]].extend(welded.points[corner]);
   std::vector<double> extents;
-  for (const Eigen::AlignedBox3d& box : boxes) extents.push_back(box.diagonal().norm());
+  for (const Eigen::AlignedBox3d& box : boxes) extents.push_back(box.sizes().maxCoeff());
   return extents;
 }
 
