@@ -43,8 +43,8 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
 }
 
 /// Returns the start pose of an object that is new in the world, or new at its place. Bullet's velocity
-/// contains its motion since then, but also a first placement. A displacement of more than half its size in a tick is taken for
-/// a placement.
+/// contains its motion since then, but also a first placement. A displacement of more than half its size in a
+/// tick is taken for a placement.
 btTransform startOfPlaced(const btCollisionObject& object, btScalar tick) {
   const btTransform& target = object.getWorldTransform();
   btTransform start;
