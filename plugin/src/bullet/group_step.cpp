@@ -457,8 +457,10 @@ void chooseStepping(LinkedGroup& group, double tick) {
   }
 }
 
-void limitIslandEnergy(LinkedGroup& group, bool alone, bool joined) {
-  const auto isInexact = [&] { return group.stepping.maxSubsteps > 0 || bounces(group.bodies[0]->contacts); };
+void limitIslandEnergy(LinkedGroup& group, bool alone, bool bouncing, bool joined) {
+  const auto isInexact = [&] {
+    return bouncing || group.stepping.maxSubsteps > 0 || bounces(group.bodies[0]->contacts);
+  };
   guard(group, alone && isInexact() && isFreeBody(group), false);
   measureDrag(group, joined);
 }

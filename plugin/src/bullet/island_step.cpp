@@ -226,14 +226,26 @@ bool isAlone(const Island& island) {
   if (step.bodies.size() != 1 || !links.rigids.empty() || !links.springs.empty() || !links.anchors.empty())
     return false;
   const auto isStill = [](const Contact& c) { return c.b.velocity.isZero(0.0); };
+  const auto stays = [](const IslandPair& m) { return m.held.mean.isZero(0.0) && m.held.spread == 0.0; };
   return std::all_of(step.pairs.contacts.begin(), step.pairs.contacts.end(), isStill) &&
+         std::all_of(island.candidates.begin(), island.candidates.end(), stays) &&
          areSurfacesAtRest(*step.bodies[0].contacts);
+}
+
+/// Returns whether contacts bounce, present ones or those that may be found in the step.
+bool bounces(const Island& island) {
+  const std::vector<Contact>& contacts = island.step.pairs.contacts;
+  return std::any_of(contacts.begin(), contacts.end(),
+                     [](const Contact& c) { return c.restitution > 0.0; }) ||
+         std::any_of(island.candidates.begin(), island.candidates.end(),
+                     [](const IslandPair& m) { return restitutionOf(*m.surfaces) > 0.0; });
 }
 
 void stepIsland(Island& island, const TickContacts& found, double tick, ScratchPool<SurfaceSearch>& searches,
                 std::mutex& lock) {
   const bool joined = !island.joints.empty();
-  for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, isAlone(island), joined);
+  const bool alone = isAlone(island), bouncing = bounces(island);
+  for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, alone, bouncing, joined);
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);
   SearchContext context{&island, &found, &searches, &lock};

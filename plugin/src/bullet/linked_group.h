@@ -136,10 +136,10 @@ void keepBudget(LinkedGroup& group, double tick);
 void chooseStepping(LinkedGroup& group, double tick);
 
 /// Starts the energy limit of a group in an island, before the step. `alone`: nothing but one soft body moves
-/// in the island, neither dynamic nor kinematic. If it also bounces, or has a maximum of substeps, either of
-/// which may leave its oscillations hardly resolved, its energy must not rise as long as that is so.
-/// `joined`: the island has joints, whose limit needs the work of drag.
-void limitIslandEnergy(LinkedGroup& group, bool alone, bool joined);
+/// in the island, neither dynamic nor kinematic. If it also bounces (`bouncing`: in contacts of the island),
+/// or has a maximum of substeps, either of which may leave its oscillations hardly resolved, its energy must
+/// not rise as long as that is so. `joined`: the island has joints, whose limit needs the work of drag.
+void limitIslandEnergy(LinkedGroup& group, bool alone, bool bouncing, bool joined);
 
 /// Returns whether the surfaces of all these contacts are at rest.
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);

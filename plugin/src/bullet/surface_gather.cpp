@@ -117,6 +117,14 @@ const btCollisionObject& partnerOf(const SurfaceCandidate& m) {
   return m.partner ? *m.partner : *m.held;
 }
 
+}  // namespace
+
+double restitutionOf(const SurfaceCandidate& m) {
+  return double(gCalculateCombinedRestitutionCallback(m.body->surface.object, &partnerOf(m)));
+}
+
+namespace {
+
 /// Makes a contact without the point on side b.
 Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
   const SurfaceObject* own = m.body->surface.object;
@@ -125,7 +133,7 @@ Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
   pair.normal = c.normal;
   pair.gap = c.gap;
   pair.friction = double(gCalculateCombinedFrictionCallback(own, &partnerOf(m)));
-  pair.restitution = double(gCalculateCombinedRestitutionCallback(own, &partnerOf(m)));
+  pair.restitution = restitutionOf(m);
   pair.bounceThreshold = m.body->speeds.bounce;
   pair.recoverySpeed = m.body->speeds.recovery;
   // the smaller one of the two; a body that has slept from the start has none

@@ -108,6 +108,9 @@ double displacementOf(const SurfaceCandidate& candidate);
 double featureSizeOf(const SurfaceCandidate& candidate);
 double radiusSumOf(const SurfaceCandidate& candidate);
 
+/// Returns the combined restitution of the two surfaces, from Bullet's callback.
+double restitutionOf(const SurfaceCandidate& candidate);
+
 /// Returns whether hits and springs may cause contacts within the tick that were not predicted, and whether
 /// these are to be found.
 bool mayTouch(const SurfaceCandidate& candidate, double tick, SurfaceSearch& search);

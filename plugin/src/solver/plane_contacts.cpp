@@ -225,6 +225,12 @@ void solvePositions(ContactRows rows, const PointView& points, double time, doub
   });
 }
 
+void endOutrunBounces(std::vector<PlaneContact>& rows, std::uint32_t point, const PointView& points) {
+  const ContactRange range = contactsOfPoint(rows, point);
+  for (std::size_t i = range.begin; i < range.end; ++i)
+    if (speedAlong(rows[i], points) > rows[i].target) rows[i].bounces = false;
+}
+
 void solveVelocities(ContactRows rows, const PointView& points) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
     if (!isSingleFixedPlane(first, count)) return solvePointVelocity(first, count, points);

@@ -159,6 +159,10 @@ struct ContactWatch {
   virtual void merge() = 0;
 };
 
+/// Call it for a point after other contacts have changed its velocity, before the drift. Ends bounces that
+/// these have outrun: the second half of such a bounce would be added to that of the others.
+void endOutrunBounces(std::vector<PlaneContact>& rows, std::uint32_t point, const PointView& points);
+
 /// Changes velocities after the second kick of a substep: points that touch do not approach. Completes
 /// solvePositions as RATTLE completes SHAKE: velocities are those of bodies at rest, not of a step in free
 /// fall.
