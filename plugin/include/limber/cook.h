@@ -62,7 +62,9 @@ struct CookedMesh {
 };
 
 /// Makes soft bodies of a mesh: closed, open, of several pieces, intersecting itself, inside out, flat.
-/// - One closed surface is filled with tetrahedra. Parts that are too thin for them are thickened.
+/// - One closed surface is filled with tetrahedra, a plate with flat ones. Parts that are too thin for them
+/// are
+///   thickened.
 /// - Any other mesh is wrapped first, see wrap(). Pieces nearer than `wrap.join` are one body.
 /// - Sheets (a single open piece with a long border, or flat) become cloths, thin tubes ropes.
 /// - Crumbs are left out: pieces smaller than 0.5 % of the largest, and farther than `wrap.join` from all
@@ -77,8 +79,9 @@ LIMBER_API Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings&
 /// the mass of the mesh's volume, of which tetrahedra fill a few percent more or less. For
 /// braces, spring constants follow from  E = sum k L^2 / (6 V)  with the volume V, the modulus of a random
 /// isotropic network; for sheets from  E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is
-/// exact for a lattice of equilateral triangles; for ropes from  E A = sum k l^2 / L  with the section A and
-/// the length L. Errors: no network; those of withMaterial().
+/// exact for a lattice of equilateral triangles, and up to a half too stiff for stretched cells; for ropes
+/// from  E A = sum k l^2 / L  with the section A and the length L. Errors: no network; those of
+/// withMaterial().
 LIMBER_API Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
                                                  SoftBodySettings settings = {});
 

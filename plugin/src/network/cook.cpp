@@ -298,6 +298,36 @@ std::optional<CookedFilling> fillExactly(Builder& builder, const Part& part, con
   return std::nullopt;
 }
 
+/// Largest height of a plate, as a fraction of its length, and the factors by which it is stretched.
+constexpr double kPlateHeight = 0.15;
+constexpr double kStretches[] = {1.4, 2.0, 2.8, 4.0, 5.6};
+
+/// Moves points away from the plane through the origin with this normal, to `factor` times their distance.
+void stretch(std::vector<Vector3d>& points, const Vector3d& normal, double factor) {
+  for (Vector3d& p : points) p += (factor - 1.0) * normal.dot(p) * normal;
+}
+
+/// Fills a plate that is too thin for the lattice with tetrahedra as flat as itself: it is stretched, filled,
+/// and shrunk again. Empty if the part is no plate, or as fillExactly().
+std::optional<CookedFilling> fillPlate(Builder& builder, const Part& part, const Solid& solid,
+                                       double points) {
+  const Flatness flatness = flatnessOf(part.welded.points);
+  if (flatness.height > kPlateHeight * extent(part.welded.points)) return std::nullopt;
+  for (const double factor : kStretches) {
+    Part stretched = part;
+    stretch(stretched.welded.points, flatness.normal, factor);
+    WeldedMesh surface = solid.surface;
+    stretch(surface.points, flatness.normal, factor);
+    std::optional<CookedFilling> filling =
+        fillExactly(builder, stretched, makeSolid(std::move(surface)), points);
+    if (!builder.going) return std::nullopt;
+    if (!filling) continue;
+    stretch(filling->mesh.points, flatness.normal, 1.0 / factor);
+    return filling;
+  }
+  return std::nullopt;
+}
+
 /// A thickened body that leaves out parts of the mesh as far as this fraction of its size, or has more than
 /// so many times the volume of a closed one, has too few points.
 constexpr double kMostMissed = 0.1, kMostGrown = 3.0;
@@ -326,6 +356,7 @@ Result<CookedFilling> fill(Builder& builder, const Part& part) {
   Result<CookedFilling> thickened = Error{};
   for (double trial = points;; trial = std::min(kMinPoints, kEnough * trial)) {
     std::optional<CookedFilling> exact = fillExactly(builder, part, *solid, trial);
+    if (!exact && builder.going) exact = fillPlate(builder, part, *solid, trial);
     if (!builder.going) return Error{kEnded};
     if (exact) return taken(std::move(*exact));
     thickened = fillThickened(builder, part, *solid, trial);

@@ -41,17 +41,19 @@ struct UnitMaterial {
 /// Springs alone have lambda = mu = 2/5 E; a volume term of modulus K adds K to lambda. With
 /// nu = lambda / (2 (lambda + mu)) that is  nu = (mu + K) / (2 (2 mu + K)),  so
 /// K = mu (4 nu - 1) / (1 - 2 nu). A network is a little softer than this estimate, so the target nu is
-/// corrected by the measured nu.
+/// corrected by the measured nu. stiffnessPerModulus holds without a volume term, at scale 1.
 UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
                               const Eigen::Vector3d& scale) {
   const double mu = 0.4;
+  const double reference = measureModuli({network, network.stiffnessPerModulus}).youngsModulus;
   double targetRatio = poissonRatio;
   UnitMaterial unit;
   for (int i = 0; i < kMaxMeasurements; ++i) {
     // computed as if the springs were of 1 Pa; scaled below
     const double modulus = mu * (4.0 * targetRatio - 1.0) / (1.0 - 2.0 * targetRatio);
     const ElasticModuli moduli = measureModuli({network, network.stiffnessPerModulus, modulus, scale});
-    unit = {network.stiffnessPerModulus / moduli.youngsModulus, modulus / moduli.youngsModulus};
+    const double excess = moduli.youngsModulus / reference;
+    unit = {network.stiffnessPerModulus / excess, modulus / excess};
     const double error = poissonRatio - moduli.poissonRatio;
     if (std::abs(error) < kPoissonError || (targetRatio <= 0.25 && error < 0.0)) break;
     targetRatio = std::clamp(targetRatio + error, 0.25, 0.5 * (targetRatio + 0.5));
@@ -133,13 +135,11 @@ Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Materi
 
 namespace {
 
-/// Returns the sum of stiffnessScale times the square of the rest length over the springs that carry tension,
-/// m^2.
-double stiffnessMoment(const SpringNetwork& network, bool structuralOnly) {
+/// Returns the sum of stiffnessScale times the square of the rest length over the springs, m^2.
+double stiffnessMoment(const SpringNetwork& network) {
   double sum = 0.0;
   for (const NetworkSpring& s : network.springs)
-    if (!structuralOnly || s.kind == SpringKind::Structural)
-      sum += s.stiffnessScale * (network.restPoints[s.b] - network.restPoints[s.a]).squaredNorm();
+    sum += s.stiffnessScale * (network.restPoints[s.b] - network.restPoints[s.a]).squaredNorm();
   return sum;
 }
 
@@ -162,14 +162,14 @@ FormMaterial materialOf(const CookedBody& body) {
     double length = 0.0;
     for (std::size_t i = 1; i < n.restPoints.size(); ++i)
       length += (n.restPoints[i] - n.restPoints[i - 1]).norm();
-    return {section * length / stiffnessMoment(n, false), section * length};
+    return {section * length / stiffnessMoment(n), section * length};
   }
   if (body.thickness > 0.0) {
     const double area = areaOf(n);
-    return {3.0 * body.thickness * area / stiffnessMoment(n, true), body.thickness * area};
+    return {3.0 * body.thickness * area / stiffnessMoment(n), body.thickness * area};
   }
   const double volume = std::abs(signedVolume(n.restPoints, n.surface));
-  return {6.0 * volume / stiffnessMoment(n, false), volume};
+  return {6.0 * volume / stiffnessMoment(n), volume};
 }
 
 Result<SoftBodySettings> ofTetrahedra(const CookedBody& body, const Material& material,

@@ -100,13 +100,21 @@ constexpr double kMinMassShare = 0.2;
 /// and 1.8 times Van Gelder's. Those around the points that limit the time step grow to at most 1.15 times.
 ///
 /// Returns the calibration: the Young's modulus of the fitted springs for a requested 1 Pa, before all
-/// constants were divided by it. It is near 1. `goOn` is called with the progress, 0 to 1; after it has
-/// returned false, the fit goes no further.
+/// constants were divided by it. It is near 1. Networks of thin plates are too uneven to have one modulus:
+/// they keep the fitted constants, and the calibration is 1. `goOn` is called with the progress, 0 to 1;
+/// after it has returned false, the fit goes no further.
 ///
 /// `minGrowth`: smallest constant as a fraction of Van Gelder's; a weaker spring would have no effect. With
 /// larger ones thin limbs return from more of the large deformations, and torsion is less exact.
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn = {},
                           double minGrowth = 0.2);
+
+/// Gives the springs of a sheet, edges of its triangles and braces, constants that make it as stiff in all
+/// its directions as its triangles allow, with stiffness scales whose mean over the edges is 1. The constants
+/// begin with Van Gelder's, k = E h A / L^2 with the sum A of the areas at an edge and the thickness h, and
+/// for braces `bending` times twice the constant of the two edges in a row that they span. They are changed
+/// as those of tetrahedra are. Poisson's ratio is 1/3.
+void setSheetSprings(SpringNetwork& network, double bending);
 
 /// Returns the mass fractions of the points of a network with tetrahedra and springs, sum 1. A quarter of
 /// each tetrahedron's mass belongs to each of its corners, except that points that oscillate fastest against

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -69,6 +70,13 @@ struct Edges {
   std::vector<double> vanGelder;  ///< #edges, m^3, sum of the volumes around: the constant for 1 Pa times L^2
   std::vector<double> squaredLengths;  ///< #edges, m^2
   std::vector<double> pointVolumes;    ///< #points, m^3, a quarter of the tetrahedra around
+
+  void add(const Edge& edge, const Eigen::Vector3d& along, double constant) {
+    ends.push_back(edge);
+    powers.push_back(fourthPower(along.normalized()));
+    vanGelder.push_back(constant);
+    squaredLengths.push_back(along.squaredNorm());
+  }
 };
 
 Edges collectEdges(const SpringNetwork& network) {
@@ -84,13 +92,8 @@ Edges collectEdges(const SpringNetwork& network) {
   }
   std::sort(all.begin(), all.end());
   for (const auto& [ends, volume] : all) {
-    if (edges.ends.empty() || ends != edges.ends.back()) {
-      const Eigen::Vector3d along = network.restPoints[ends[1]] - network.restPoints[ends[0]];
-      edges.ends.push_back(ends);
-      edges.vanGelder.push_back(0.0);
-      edges.powers.push_back(fourthPower(along.normalized()));
-      edges.squaredLengths.push_back(along.squaredNorm());
-    }
+    if (edges.ends.empty() || ends != edges.ends.back())
+      edges.add(ends, network.restPoints[ends[1]] - network.restPoints[ends[0]], 0.0);
     edges.vanGelder.back() += volume;
   }
   return edges;
@@ -99,11 +102,13 @@ Edges collectEdges(const SpringNetwork& network) {
 /// Returns x = k L^2 that, changed for one edge after the other, nears the minimum of
 ///     sum over points |sum over its edges x T / 2 - V C|^2 / V
 ///     + kStayWeight sum over edges (x - x0)^2 / x0
-/// with T the powers, V the points' volumes, C the isotropic elasticity and x0 Van Gelder's values.
-std::vector<double> isotropicConstants(const Edges& edges, double minGrowth) {
+/// with T the powers, V the points' volumes, C their isotropic elasticities and x0 Van Gelder's values.
+std::vector<double> isotropicConstants(const Edges& edges, const std::vector<FourthDegree>& elasticities,
+                                       double minGrowth) {
   std::vector<double> x = edges.vanGelder;
   std::vector<FourthDegree> misfit;
-  for (const double volume : edges.pointVolumes) misfit.push_back(-volume * isotropicElasticity());
+  for (std::size_t p = 0; p < edges.pointVolumes.size(); ++p)
+    misfit.push_back(-edges.pointVolumes[p] * elasticities[p]);
   const auto add = [&](std::size_t e, double change) {
     for (const std::uint32_t p : edges.ends[e]) misfit[p] += 0.5 * change * edges.powers[e];
   };
@@ -155,6 +160,10 @@ SpringLimits limitsOf(const Edges& edges, double minGrowth) {
   return limits;
 }
 
+/// Least isotropy at which the mean modulus over all directions tells how stiff a network is. Thin plates
+/// have less: they bend as they were fitted to, and stretch and shear more or less easily.
+constexpr double kEven = 0.9;
+
 /// Scales the springs, whose constants (N/m) are for a requested modulus of 1 Pa.
 void normalise(SpringNetwork& network, double measuredModulus) {
   double mean = 0.0;
@@ -168,12 +177,89 @@ void normalise(SpringNetwork& network, double measuredModulus) {
 
 double setMaterialSprings(SpringNetwork& network, const std::function<bool(double)>& goOn, double minGrowth) {
   const Edges edges = collectEdges(network);
-  setSprings(network, edges, isotropicConstants(edges, minGrowth));
+  const std::vector<FourthDegree> elasticities(network.restPoints.size(), isotropicElasticity());
+  setSprings(network, edges, isotropicConstants(edges, elasticities, minGrowth));
   const TetrahedralMesh mesh{network.restPoints, network.tetrahedra, network.surface};
   fitResponses(network, solidResponses(mesh), limitsOf(edges, minGrowth), goOn);
-  const double modulus = measureModuli({network}).youngsModulus;
+  const ElasticModuli moduli = measureModuli({network});
+  const double modulus = moduli.isotropy > kEven ? moduli.youngsModulus : 1.0;
   normalise(network, modulus);
   return modulus;
+}
+
+// --- sheets ------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Returns the elasticity of springs that run evenly in all directions of a plane with this normal, of 1 Pa
+/// m: the mean of 3 n n n n. Five directions give it exactly.
+FourthDegree flatElasticity(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
+  FourthDegree sum = FourthDegree::Zero();
+  for (int i = 0; i < 5; ++i)
+    sum += 3.0 / 5.0 * fourthPower(std::cos(i * kPi / 5.0) * u + std::sin(i * kPi / 5.0) * v);
+  return sum;
+}
+
+/// Smallest constant of a sheet's spring as a fraction of Van Gelder's.
+constexpr double kLeastSheet = 0.2;
+
+/// Returns the sum of the areas of the triangles at each edge, m^2.
+std::map<Edge, double> areasAtEdges(const SpringNetwork& network) {
+  std::map<Edge, double> areas;
+  for (const Triangle& t : network.surface) {
+    const double area =
+        areaVector(network.restPoints[t[0]], network.restPoints[t[1]], network.restPoints[t[2]]).norm();
+    for (std::size_t i = 0; i < 3; ++i) areas[edgeBetween(t[i], t[(i + 1) % 3])] += area;
+  }
+  return areas;
+}
+
+/// Returns the largest constant (1/m^2 times m^2) of two edges in a row from a to b.
+double constantOfDetour(const std::vector<std::map<std::uint32_t, double>>& constants, std::uint32_t a,
+                        std::uint32_t b) {
+  double largest = 0.0;
+  for (const auto& [middle, first] : constants[a]) {
+    const auto second = constants[b].find(middle);
+    if (second != constants[b].end())
+      largest = std::max(largest, first * second->second / (first + second->second));
+  }
+  return largest;
+}
+
+}  // namespace
+
+void setSheetSprings(SpringNetwork& network, double bending) {
+  const std::vector<Eigen::Vector3d>& points = network.restPoints;
+  const std::map<Edge, double> areas = areasAtEdges(network);
+  std::vector<std::map<std::uint32_t, double>> constants(points.size());
+  for (const auto& [edge, area] : areas) {
+    const double constant = area / (points[edge[1]] - points[edge[0]]).squaredNorm();
+    constants[edge[0]][edge[1]] = constants[edge[1]][edge[0]] = constant;
+  }
+  Edges edges;
+  for (const NetworkSpring& s : network.springs) {
+    const Eigen::Vector3d along = points[s.b] - points[s.a];
+    const auto area = areas.find({s.a, s.b});
+    edges.add({s.a, s.b}, along,
+              area != areas.end()
+                  ? area->second
+                  : 2.0 * bending * constantOfDetour(constants, s.a, s.b) * along.squaredNorm());
+  }
+  std::vector<Eigen::Vector3d> normals(points.size(), Eigen::Vector3d::Zero());
+  edges.pointVolumes.assign(points.size(), 0.0);
+  for (const Triangle& t : network.surface) {
+    const Eigen::Vector3d area = areaVector(points[t[0]], points[t[1]], points[t[2]]);
+    for (const std::uint32_t p : t) normals[p] += area, edges.pointVolumes[p] += area.norm() / 3.0;
+  }
+  std::vector<FourthDegree> elasticities;
+  for (const Eigen::Vector3d& normal : normals) elasticities.push_back(flatElasticity(normal.normalized()));
+  const std::vector<double> x = isotropicConstants(edges, elasticities, kLeastSheet);
+  double sum = 0.0;
+  for (std::size_t e = 0; e < x.size(); ++e)
+    if (network.springs[e].kind == SpringKind::Structural) sum += x[e] / edges.squaredLengths[e];
+  for (std::size_t e = 0; e < x.size(); ++e)
+    network.springs[e].stiffnessScale = x[e] / edges.squaredLengths[e] / sum * double(areas.size());
 }
 
 // --- the fit to the response of the solid ------------------------------------------------------------------

@@ -7,6 +7,7 @@
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
+#include "network/material.h"
 
 #include <Eigen/Geometry>
 
@@ -228,11 +229,7 @@ double borderLength(const WeldedMesh& mesh) {
   return length;
 }
 
-/// The direction in which the points extend least, and their extent in it, m.
-struct Flatness {
-  Vector3d normal = Vector3d::Zero();
-  double height = 0.0;
-};
+}  // namespace
 
 Flatness flatnessOf(const std::vector<Vector3d>& points) {
   Vector3d middle = Vector3d::Zero();
@@ -249,6 +246,8 @@ Flatness flatnessOf(const std::vector<Vector3d>& points) {
   flatness.height = high - low;
   return flatness;
 }
+
+namespace {
 
 /// Returns the mesh without the triangles that do not face along the normal.
 TriangleMesh frontOf(const TriangleMesh& mesh, const Vector3d& normal) {
@@ -320,11 +319,11 @@ std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness,
   if (!coarse) return std::nullopt;
   NetworkSettings settings;
   settings.braces = BraceRule::TwoRing;
-  settings.braceWeight = kSheetBending;
   const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
   if (!network) return std::nullopt;
   auto cloth = std::make_shared<SpringNetwork>(**network);
   cloth->kind = NetworkKind::Cloth;
+  setSheetSprings(*cloth, kSheetBending);
   return CookedBody{std::move(cloth), thickness, 0.0};
 }
 
@@ -359,46 +358,74 @@ std::uint32_t farthest(const std::vector<double>& length) {
   return static_cast<std::uint32_t>(std::max_element(length.begin(), length.end()) - length.begin());
 }
 
-/// Places on the edges of a tube, and their distances (m) along it from one end.
+/// Places on a tube, their distances (m) along it from one end, and the areas (m^2) for which they stand.
 struct TubeSamples {
   std::vector<Vector3d> places;
-  std::vector<double> along;
+  std::vector<double> along, area;
+
+  void add(const Vector3d& place, double length, double weight) {
+    places.push_back(place);
+    along.push_back(length);
+    area.push_back(weight);
+  }
 };
 
-TubeSamples sampleEdges(const WeldedMesh& mesh, const std::vector<double>& length, double step) {
-  TubeSamples samples;
-  for (const Edge& e : uniqueEdges(mesh.triangles)) {
-    const Vector3d &a = mesh.points[e[0]], &b = mesh.points[e[1]];
-    const int pieces = 1 + static_cast<int>(std::min(1e4, (b - a).norm() / step));
-    for (int i = 0; i <= pieces; ++i) {
-      const double f = static_cast<double>(i) / pieces;
-      samples.places.push_back(a + f * (b - a));
-      samples.along.push_back((1.0 - f) * length[e[0]] + f * length[e[1]]);
-    }
+/// Samples the sections of a triangle at equal distances along the tube, each at both of its ends.
+void sampleTriangle(const WeldedMesh& mesh, Triangle t, const std::vector<double>& length, double step,
+                    TubeSamples& samples) {
+  std::sort(t.begin(), t.end(), [&](std::uint32_t a, std::uint32_t b) { return length[a] < length[b]; });
+  const Vector3d &low = mesh.points[t[0]], &middle = mesh.points[t[1]], &high = mesh.points[t[2]];
+  const double from = length[t[0]], turn = length[t[1]], to = length[t[2]];
+  const int pieces = 1 + static_cast<int>(std::min(1e4, (to - from) / step));
+  const std::size_t first = samples.places.size();
+  double widths = 0.0;
+  for (int i = 0; i < pieces && from < to; ++i) {
+    const double at = from + (i + 0.5) / pieces * (to - from);
+    const Vector3d a = low + (at - from) / (to - from) * (high - low);
+    const Vector3d b = at < turn ? Vector3d(low + (at - from) / (turn - from) * (middle - low))
+                                 : Vector3d(high + (to - at) / (to - turn) * (middle - high));
+    samples.add(a, at, (b - a).norm());
+    samples.add(b, at, (b - a).norm());
+    widths += 2.0 * (b - a).norm();
   }
-  return samples;
+  const double area = areaVector(low, middle, high).norm();
+  for (std::size_t i = first; i < samples.area.size(); ++i)
+    samples.area[i] = widths > 0.0 ? samples.area[i] * area / widths : 0.0;
 }
 
-/// Returns the middles of the sections at equal distances along the tube; empty if a section is not small and
-/// round enough.
+/// Moves the first point of an axis to where the tube ends, in the direction in which the axis arrives.
+void extendToEnd(Vector3d& end, const Vector3d& next, const Vector3d& afterNext, const TubeSamples& samples,
+                 double reach) {
+  const Vector3d outward = (next - afterNext).normalized();
+  double farthest = 0.0;
+  for (const Vector3d& place : samples.places)
+    if ((place - end).norm() < reach) farthest = std::max(farthest, outward.dot(place - next));
+  if (farthest > 0.0) end = next + farthest * outward;
+}
+
+/// Returns the middles of the sections at equal distances along the tube, and its ends; empty if a section is
+/// not small and round enough.
 std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double radius,
                                std::uint32_t segments) {
   const double step = length / segments;
   std::vector<Vector3d> axis(segments + 1, Vector3d::Zero());
-  std::vector<double> count(segments + 1, 0.0);
+  std::vector<double> area(segments + 1, 0.0);
   const auto sectionOf = [&](std::size_t i) {
     return static_cast<std::size_t>(std::min(double(segments), std::round(samples.along[i] / step)));
   };
   for (std::size_t i = 0; i < samples.places.size(); ++i) {
-    axis[sectionOf(i)] += samples.places[i];
-    count[sectionOf(i)] += 1.0;
+    axis[sectionOf(i)] += samples.area[i] * samples.places[i];
+    area[sectionOf(i)] += samples.area[i];
   }
   for (std::size_t s = 0; s < axis.size(); ++s) {
-    if (count[s] == 0.0) return {};
-    axis[s] /= count[s];
+    if (area[s] == 0.0) return {};
+    axis[s] /= area[s];
   }
+  const double reach = kSectionRadii * radius + 0.5 * step;
   for (std::size_t i = 0; i < samples.places.size(); ++i)
-    if ((samples.places[i] - axis[sectionOf(i)]).norm() > kSectionRadii * radius + 0.5 * step) return {};
+    if ((samples.places[i] - axis[sectionOf(i)]).norm() > reach) return {};
+  extendToEnd(axis[0], axis[1], axis[2], samples, reach);
+  extendToEnd(axis[segments], axis[segments - 1], axis[segments - 2], samples, reach);
   return axis;
 }
 
@@ -427,8 +454,9 @@ std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
   settings.segments = static_cast<std::uint32_t>(
       std::min(double(kMaxSegments), std::ceil(total / (2.0 * kSegmentLength * radius))));
   const double step = 0.5 * total / settings.segments;
-  const std::vector<Vector3d> axis =
-      findAxis(sampleEdges(welded, length, step), total, radius, settings.segments);
+  TubeSamples samples;
+  for (const Triangle& t : welded.triangles) sampleTriangle(welded, t, length, step, samples);
+  const std::vector<Vector3d> axis = findAxis(samples, total, radius, settings.segments);
   if (axis.empty()) return std::nullopt;
   const Result<SharedNetwork> straight = buildRope(settings);
   if (!straight) return std::nullopt;

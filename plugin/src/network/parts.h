@@ -7,6 +7,8 @@
 #include <limber/mesh.h>
 #include <limber/result.h>
 
+#include <Eigen/Core>
+
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -30,6 +32,13 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
 Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, double thickness);
 
 // --- sheets and ropes --------------------------------------------------------------------------------------
+
+/// The direction in which the points extend least, and their extent in it, m.
+struct Flatness {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double height = 0.0;
+};
+Flatness flatnessOf(const std::vector<Eigen::Vector3d>& points);
 
 /// Returns a cloth if the mesh is one piece that is flat, or open with a border that is long for its area: as
 /// a disc has it, and not a ball with holes. Of a flat closed plate it is the front side. The cloth has the
