@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 using test::BulletWorld;
 using test::eigen;
 using test::kGravity;
+using test::kPi;
 using test::kRadius;
 using test::vec;
 
@@ -185,6 +186,40 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
   if (test::kSurface) {
     EXPECT_GT(nearest, 0.8 * kRadius);
   }
+}
+
+/// The rim of a cylinder is a polyhedron's, of 64 edges, just inside the cylinder. The cloth lies on the disc
+/// around the rim of the inner radius; it sinks by a part of its own radius at most.
+TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {
+  if (!test::kSurface) GTEST_SKIP() << "points do not detect edges between them";
+  constexpr double kRound = 0.4, kHalf = 0.3, kThin = 0.0015;  // m
+  BulletWorld bullet;
+  auto shape = std::make_unique<btCylinderShape>(vec(kRound, kHalf, kRound));
+  shape->setMargin(btScalar(0.001));
+  bullet.add(std::move(shape), 0, vec(0, 0, 0));
+  SoftBodySystem system(*bullet.world);
+  ClothSettings grid;
+  grid.width = grid.depth = 1.2;
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0.01, kHalf + 0.05, 0.02};
+  s.totalMass = 0.5;
+  s.pointRadius = kThin;
+  SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
+  double deepest = -1.0;
+  for (int i = 0; i < 120; ++i) {
+    bullet.tick();
+    for (const Triangle& t : cloth->network().surface)
+      for (int a = 0; a <= 4; ++a)
+        for (int b = 0; a + b <= 4; ++b) {
+          const Vector3d p =
+              (a * cloth->position(t[0]) + b * cloth->position(t[1]) + (4 - a - b) * cloth->position(t[2])) /
+              4.0;
+          const double inside =
+              std::min(kRound * std::cos(kPi / 64) - std::hypot(p.x(), p.z()), kHalf - std::abs(p.y()));
+          deepest = std::max(deepest, inside);
+        }
+  }
+  EXPECT_LT(deepest, 0.0) << "m inside the polyhedron";
 }
 
 }  // namespace

@@ -32,6 +32,9 @@ constexpr double kSameContact = 0.995;
 /// Cosine between the normals of a round shape and of a polyhedron that approximates it.
 constexpr double kRoundNormalCosine = 0.98;
 
+/// Depth of its chords, as a fraction of the radius: 1 - cos(pi / 64) and rounding.
+constexpr double kRoundDepth = 0.0015;
+
 constexpr int kMaxPointAdvances = 12;
 
 bool isOfRevolution(Kind kind) {
@@ -358,6 +361,17 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
   around.clear = std::max(minGap, 0.0);
 }
 
+namespace {
+
+/// Returns whether the point may be on the polyhedron that stands for a round piece: on the chord of a rim,
+/// where the piece's normal jumps.
+bool isJustInside(const HeldPiece* piece, const HeldPiece* end, const Vector3d& point) {
+  const double height = nearestOn(piece, end, point).height, size = piece->size.x() + piece->margin;
+  return height < kRoundDepth * size && height > -kRoundDepth * size;
+}
+
+}  // namespace
+
 bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& point, const Vector3d& normal,
                double radius) {
   const double ball = kBallRadius * radius;
@@ -365,8 +379,8 @@ bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& poi
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
     const HeldPoint nearest = nearestOn(other, next, center);
-    // the touched piece may be a polyhedron slightly inside a round one
-    const bool isItself = isOfRevolution(other->kind) && nearest.normal.dot(normal) > kRoundNormalCosine;
+    const bool isItself = isOfRevolution(other->kind) && (nearest.normal.dot(normal) > kRoundNormalCosine ||
+                                                          isJustInside(other, next, point));
     if (!isItself && nearest.height < (1.0 - kOverlap) * ball) return true;
   }
   return false;
