@@ -206,7 +206,7 @@ TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {
   s.pointRadius = kThin;
   SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
   double deepest = -1.0;
-  for (int i = 0; i < 120; ++i) {
+  for (int i = 0; i < 60; ++i) {
     bullet.tick();
     for (const Triangle& t : cloth->network().surface)
       for (int a = 0; a <= 4; ++a)

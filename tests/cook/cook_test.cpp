@@ -226,10 +226,11 @@ TEST(Cook, meshesInOtherUnitsBecomeAMetreLong) {
 
 TEST(Cook, farPiecesAreBodiesOfTheirOwnOrConnected) {
   const TriangleMesh mesh = joined(scaled(ball({2.0, 0.0, 0.0}), 0.5), ball(Vector3d::Zero()));
-  const CookedMesh apart = cooked(mesh);
+  CookSettings settings;
+  settings.points = 60;
+  const CookedMesh apart = cooked(mesh, settings);
   ASSERT_EQ(apart.bodies.size(), 2u);
   EXPECT_GT(apart.bodies[0].network->restPoints.size(), apart.bodies[1].network->restPoints.size());
-  CookSettings settings;
   settings.pieces = PieceRule::Connected;
   const CookedMesh together = cooked(mesh, settings);
   ASSERT_EQ(together.bodies.size(), 1u);
@@ -404,14 +405,16 @@ TEST(Cook, ropesRunStraightThroughStraightTubes) {
   EXPECT_NEAR(length, (axis.back() - axis.front()).norm(), 0.002);
 }
 
-/// A plate of 5 % of its length is thinner than the tetrahedra of 400 points. Its tetrahedra are as flat as
+/// A plate of 5 % of its length is thinner than the tetrahedra of 200 points. Its tetrahedra are as flat as
 /// it is: thickened by the lattice, it had twice its thickness.
 TEST(Cook, platesKeepTheirThickness) {
   const double thickness = 0.05;
   for (TriangleMesh mesh : {small_meshes::cube(8), test_shapes::lShape()}) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
     for (Vector3d& p : mesh.positions) p = turn * p.cwiseProduct(Vector3d(1.0, 1.0, thickness));
-    const CookedMesh c = cooked(mesh);
+    CookSettings settings;
+    settings.points = 200;
+    const CookedMesh c = cooked(mesh, settings);
     const CookedBody& body = c.bodies.at(0);
     EXPECT_GT(body.volume, 0.0) << c.report[1];
     EXPECT_FALSE(body.network->tetrahedra.empty());
