@@ -76,11 +76,11 @@ struct CookedMesh {
 LIMBER_API Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings& settings = {});
 
 /// Returns the settings of a cooked body of this material: as withMaterial() for networks of tetrahedra, with
-/// the mass of the mesh's volume, of which tetrahedra fill a few percent more or less. For braces the modulus
-/// of springs and volume term together is measured, along the body's axes; Poisson's ratio is theirs. For
-/// sheets spring constants follow from  E t = sum k L^2 / (3 A)  with the area A and the thickness t, which
-/// is exact for a lattice of equilateral triangles, and up to a half too stiff for stretched cells; for ropes
-/// from E A = sum k l^2 / L  with the section A and the length L. Errors: no network; those of
+/// the mass of the mesh's volume, of which tetrahedra fill a few percent more or less. For
+/// braces, spring constants follow from  E = sum k L^2 / (6 V)  with the volume V, the modulus of a random
+/// isotropic network; for sheets from  E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is
+/// exact for a lattice of equilateral triangles, and up to a half too stiff for stretched cells; for ropes
+/// from  E A = sum k l^2 / L  with the section A and the length L. Errors: no network; those of
 /// withMaterial().
 LIMBER_API Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
                                                  SoftBodySettings settings = {});

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace limber {
 namespace {
@@ -150,42 +149,17 @@ std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
   return strains;
 }
 
-/// Returns the mean strain under a stress of 1 Pa along d.
-Matrix3d strainUnder(const Vector3d& d, const std::array<Matrix3d, 6>& strains) {
-  const std::array<double, 6> part = uniaxial(d);
-  Matrix3d strain = Matrix3d::Zero();
-  for (std::size_t load = 0; load < 6; ++load) strain += part[load] * strains[load];
-  return strain;
-}
-
-/// The principal axes of the points, and sums of their squared distances along them.
-SymmetricParts3 principalAxes(const ElasticBody& body) {
-  const std::vector<Vector3d>& points = body.network.restPoints;
-  const Vector3d middle =
-      std::accumulate(points.begin(), points.end(), Vector3d(0, 0, 0)) / static_cast<double>(points.size());
-  Matrix3d spread = Matrix3d::Zero();
-  for (const Vector3d& p : points) {
-    const Vector3d offset = body.scale.cwiseProduct(p - middle);
-    spread += offset * offset.transpose();
-  }
-  return symmetricParts3(spread);
-}
-
 }  // namespace
 
 ElasticModuli measureModuli(const ElasticBody& body) {
   const std::array<Matrix3d, 6> strains =
       meanStrains({body.network, body.stiffness, body.volumeModulus, body.scale.cwiseAbs()});
   ElasticModuli moduli;
-  const SymmetricParts3 axes = principalAxes(body);
-  for (int i = 0; i < 3; ++i) {
-    const Vector3d d = axes.vectors.col(i);
-    moduli.alongAxes +=
-        axes.values[i] * axes.values[i] / axes.values.squaredNorm() / d.dot(strainUnder(d, strains) * d);
-  }
   for (int i = 0; i < kDirections; ++i) {
     const Vector3d d = direction(i);
-    const Matrix3d strain = strainUnder(d, strains);
+    const std::array<double, 6> part = uniaxial(d);
+    Matrix3d strain = Matrix3d::Zero();
+    for (std::size_t load = 0; load < 6; ++load) strain += part[load] * strains[load];
     const double along = d.dot(strain * d);
     moduli.youngsModuli.push_back(1.0 / along);
     moduli.youngsModulus += 1.0 / (along * kDirections);

@@ -172,28 +172,6 @@ FormMaterial materialOf(const CookedBody& body) {
   return {6.0 * volume / stiffnessMoment(n), volume};
 }
 
-/// Tolerance of Young's modulus of a braced body, and its least measured share of that of a random isotropic
-/// network: a body with less has mechanisms.
-constexpr double kModulusError = 1e-3, kLeastModulus = 0.2;
-
-/// Returns the spring constant (N/m) with which a closed body of braces has the measured modulus (Pa) along
-/// its axes, together with its volume term. Its springs run mostly along the surface: oblique to that of a
-/// box it has a third of the modulus along the edges. `random`: that of a random isotropic network with this
-/// modulus, which is also the default of the volume modulus.
-double bracedStiffness(const SpringNetwork& network, const SoftBodySettings& settings, double random,
-                       double modulus) {
-  double stiffness = random;
-  for (int i = 0; i < kMaxMeasurements; ++i) {
-    const double volumeModulus = settings.volumeModulus.value_or(modulus * stiffness / random);
-    const double measured =
-        measureModuli({network, stiffness, volumeModulus, settings.scale.cwiseAbs()}).alongAxes;
-    if (!(measured > kLeastModulus * modulus)) return random;
-    stiffness *= modulus / measured;
-    if (std::abs(measured / modulus - 1.0) < kModulusError) break;
-  }
-  return stiffness;
-}
-
 Result<SoftBodySettings> ofTetrahedra(const CookedBody& body, const Material& material,
                                       SoftBodySettings settings) {
   Result<SoftBodySettings> made = withMaterial(*body.network, material, std::move(settings));
@@ -213,10 +191,8 @@ Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& ma
   if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
   const double volumeScale = std::abs(settings.scale.prod()), lengthScale = std::cbrt(volumeScale);
   const FormMaterial form = materialOf(body);
-  double stiffness = lengthScale * form.stiffness * material.youngsModulus;
-  if (body.thickness == 0.0 && body.network->kind == NetworkKind::Solid)
-    stiffness = bracedStiffness(*body.network, settings, stiffness, material.youngsModulus);
-  settings.extensionStiffness = settings.compressionStiffness = stiffness;
+  settings.extensionStiffness = settings.compressionStiffness =
+      lengthScale * form.stiffness * material.youngsModulus;
   settings.totalMass = material.density * form.volume * volumeScale;
   if (material.dampingTime) settings.damping = *material.dampingTime * settings.extensionStiffness;
   if (body.thickness > 0.0 && !settings.pointRadius)

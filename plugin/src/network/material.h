@@ -52,11 +52,9 @@ class LinearResponse {
 struct ElasticModuli {
   std::vector<double> youngsModuli;  ///< Pa, for each of 40 directions
   double youngsModulus = 0.0;        ///< Pa, their mean
-  double alongAxes = 0.0;     ///< Pa, mean over the principal axes of the points, weighted by their variances
-                              ///< squared: what one feels who pulls at a bar or bends it
-  double isotropy = 0.0;      ///< the smallest over the largest
-  double poissonRatio = 0.0;  ///< mean over the directions
-  double bulkModulus = 0.0;   ///< Pa
+  double isotropy = 0.0;             ///< the smallest over the largest
+  double poissonRatio = 0.0;         ///< mean over the directions
+  double bulkModulus = 0.0;          ///< Pa
 };
 
 /// Applies uniform stresses to the surface, along and across the axes, and solves for the linear
