@@ -3,6 +3,7 @@
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
+#include "support/small_meshes.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -186,6 +187,34 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
   if (test::kSurface) {
     EXPECT_GT(nearest, 0.8 * kRadius);
   }
+}
+
+/// A face of a cube lies on a hull that is smaller than it: only edges and the face touch. The margin, which
+/// makes the hull's edges round, is Bullet's default or any other.
+TEST(SurfaceCurves, aHullOfAnyMarginCarriesEdgesAndFaces) {
+  if (!test::kSurface) GTEST_SKIP() << "points do not detect edges between them";
+  for (const double radius : {0.005, 0.05})
+    for (const double margin : {0.0, 0.15 * radius, radius, 0.04}) {
+      BulletWorld bullet;
+      auto hull = std::make_unique<btConvexHullShape>();
+      for (int i = 0; i < 8; ++i)
+        hull->addPoint(vec(i & 1 ? 0.08 : -0.08, i & 2 ? 0.1 : -0.1, i & 4 ? 0.08 : -0.08));
+      hull->setMargin(static_cast<btScalar>(margin));
+      bullet.add(std::move(hull), 0, vec(0, -0.1, 0));
+      SoftBodySystem system(*bullet.world);
+      SoftBodySettings s = test::testedSettings();
+      s.extensionStiffness = s.compressionStiffness = 2e4;
+      s.damping = 20.0;
+      s.friction = 1.0;
+      s.pointRadius = radius;
+      s.position = {0, 0.45, 0};
+      s.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitY());
+      TriangleMesh mesh = small_meshes::cube();
+      for (Vector3d& p : mesh.positions) p *= 0.5;
+      const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
+      bullet.simulate(1.5);
+      EXPECT_NEAR(body->centerOfMass().y(), 0.25 + radius + margin, 0.002) << radius << ", " << margin;
+    }
 }
 
 /// The rim of a cylinder is a polyhedron's, of 64 edges, just inside the cylinder. The cloth lies on the disc

@@ -102,9 +102,6 @@ void updateBounds(SoftBodyData& body) {
   body.frequencyStale = false;
 }
 
-/// rad per tick, a rotation that the usual number of substeps resolves in any case.
-constexpr double kNegligibleTurn = 0.5;
-
 MotionRates ratesOf(SoftBodyData& body, double tick) {
   if (body.frequencyStale) updateBounds(body);
   MotionRates rates;
@@ -112,8 +109,8 @@ MotionRates ratesOf(SoftBodyData& body, double tick) {
                        tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state, tick);
   const bool nearRest = !body.volumes.farFromRest && !body.tetrahedra.farFromRest;
   rates.fastestSquared = nearRest ? std::min(rates.boundSquared, body.fastestSquared) : rates.boundSquared;
-  rates.turnRate =
-      fastestTurn(body.springs, body.state, std::sqrt(sumsOf(body).fastest), kNegligibleTurn / tick);
+  rates.turnRate = fastestTurn(body.springs, body.state, std::sqrt(sumsOf(body).fastest),
+                               negligibleTurn(rates.fastestSquared, tick));
   return rates;
 }
 

@@ -322,10 +322,14 @@ bool hasContactAlong(const SoftBodyData& body, std::uint32_t point, const Vector
 /// The static objects around a contact of this body, as findContacts() finds them.
 class StaticSurroundings {
  public:
-  StaticSurroundings(const SoftBodyData& body, const Vector3d& position, double radius,
+  StaticSurroundings(const SoftBodyData& body, const TouchedPoint& touched, double radius,
                      std::vector<HeldPiece>& pieces)
-      : pieces_(pieces), position_(position), radius_(radius) {
+      : pieces_(pieces),
+        touched_(touched),
+        position_(touched.core + touched.margin * touched.normal),
+        radius_(radius) {
     pieces.clear();
+    const Vector3d& position = position_;
     const Eigen::AlignedBox3d box(position.array() - radius, position.array() + radius);
     std::uint32_t owner = 0;
     for (const btCollisionObject* partner : body.partners)
@@ -333,7 +337,7 @@ class StaticSurroundings {
   }
 
   bool covers(const Vector3d& normal) const {
-    return isCovered(pieces_.data(), pieces_.data() + pieces_.size(), position_, normal, radius_);
+    return isCovered(pieces_.data(), pieces_.data() + pieces_.size(), touched_, normal, radius_);
   }
 
   /// Returns whether the surface is flat or concave on both sides in the direction `across`, which is normal
@@ -360,6 +364,7 @@ class StaticSurroundings {
 
  private:
   std::vector<HeldPiece>& pieces_;
+  TouchedPoint touched_;
   Vector3d position_;
   double radius_;
 };
@@ -411,8 +416,8 @@ bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, doub
 /// Returns whether other objects cover the touched edge or corner of the part.
 bool isInternalEdge(const SurfaceCandidate& m, const SurfaceContact& c, SurfaceSearch& s) {
   const MovingSurface &soft = m.body->surface.moving, &rigid = m.part->moving;
-  const Vector3d position = positionOf(rigid, c.b) + rigid.radius * c.normal;
-  const StaticSurroundings around(*m.body, position, soft.radius, s.pieces);
+  const TouchedPoint touched{positionOf(rigid, c.b), c.normal, rigid.radius};
+  const StaticSurroundings around(*m.body, touched, soft.radius, s.pieces);
   if (around.covers(c.normal)) return true;
   if (const double cylinderRadius = around.radiusAround(c.normal);
       cylinderRadius > 0.0 && staysCloseToRound(soft, c, cylinderRadius))

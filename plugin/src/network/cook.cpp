@@ -277,13 +277,12 @@ std::vector<double> trialsOf(const Builder& builder, double points, double most)
   return trials;
 }
 
-/// Fills a part whose thin parts keep their thickness. The result is empty if no filling follows the mesh, or
-/// if progress returns false.
-std::optional<CookedFilling> fillExactly(Builder& builder, const Part& part, const Solid& solid,
-                                         double points) {
-  // as many as are allowed if the user has not chosen their number
-  const double allowed = builder.settings.points > 0 ? 0.0 : kMaxPoints / wantedPoints(solid);
-  const double most = std::max(kMostExact, allowed) * points;
+/// Fills a solid with about `points` points, at most `most`, so that `accepts(filling, spacing)` is true. Its
+/// thin parts keep their thickness. The result is empty if there is no such filling, or if progress returns
+/// false.
+template <class Accept>
+std::optional<CookedFilling> fillExactly(Builder& builder, const Solid& solid, double points, double most,
+                                         Accept accepts) {
   for (const double trial : trialsOf(builder, points, most)) {
     const double spacing = spacingFor(solid, trial);
     if (solid.thickness < spacing) continue;
@@ -292,37 +291,38 @@ std::optional<CookedFilling> fillExactly(Builder& builder, const Part& part, con
                        [&](double done) { return builder.report("tetrahedra", done); });
     if (!builder.going) return std::nullopt;
     if (!filling || static_cast<double>(filling->points.size()) > most) continue;
-    if (!follows(part, *filling, spacing)) continue;
-    return CookedFilling{std::move(*filling), spacing, false};
+    if (accepts(*filling, spacing)) return CookedFilling{std::move(*filling), spacing, false};
   }
   return std::nullopt;
 }
 
-/// Largest height of a plate, as a fraction of its length, and the factors by which it is stretched.
+/// Largest height of a plate, as a fraction of its length, and the factors by which its height is stretched.
 constexpr double kPlateHeight = 0.15;
-constexpr double kStretches[] = {1.4, 2.0, 2.8, 4.0, 5.6};
+constexpr double kStretches[] = {1.0, 1.4, 2.0, 2.8, 4.0, 5.6};
 
-/// Moves points away from the plane through the origin with this normal, to `factor` times their distance.
-void stretch(std::vector<Vector3d>& points, const Vector3d& normal, double factor) {
-  for (Vector3d& p : points) p += (factor - 1.0) * normal.dot(p) * normal;
-}
+/// Least share of a plate's volume that its tetrahedra fill: holes are as deep as it is.
+constexpr double kLeastFilled = 0.95;
 
-/// Fills a plate that is too thin for the lattice with tetrahedra as flat as itself: it is stretched, filled,
-/// and shrunk again. Empty if the part is no plate, or as fillExactly().
-std::optional<CookedFilling> fillPlate(Builder& builder, const Part& part, const Solid& solid,
-                                       double points) {
-  const Flatness flatness = flatnessOf(part.welded.points);
-  if (flatness.height > kPlateHeight * extent(part.welded.points)) return std::nullopt;
+/// Fills a plate with tetrahedra as flat as itself if it is too thin for the lattice: it is turned so that
+/// the lattice's axes are its own, stretched, filled, and brought back. Empty if the part is no plate, or as
+/// fillExactly().
+std::optional<CookedFilling> fillPlate(Builder& builder, const Part& part, const Solid& solid, double points,
+                                       double most) {
+  const FlatBox box = flatBoxOf(part.welded.points);
+  if (box.size.z() > kPlateHeight * box.size.head<2>().maxCoeff()) return std::nullopt;
   for (const double factor : kStretches) {
-    Part stretched = part;
-    stretch(stretched.welded.points, flatness.normal, factor);
+    const Eigen::Matrix3d scale = Vector3d(1.0, 1.0, factor).asDiagonal();
+    const Eigen::Matrix3d there = scale * box.axes.transpose(), back = box.axes * scale.inverse();
     WeldedMesh surface = solid.surface;
-    stretch(surface.points, flatness.normal, factor);
+    for (Vector3d& p : surface.points) p = there * p;
+    const Solid stretched = makeSolid(std::move(surface));
     std::optional<CookedFilling> filling =
-        fillExactly(builder, stretched, makeSolid(std::move(surface)), points);
+        fillExactly(builder, stretched, points, most, [&](const TetrahedralMesh& f, double) {
+          return isConnected(f) && signedVolume(f.points, f.surface) > kLeastFilled * stretched.volume;
+        });
     if (!builder.going) return std::nullopt;
     if (!filling) continue;
-    stretch(filling->mesh.points, flatness.normal, 1.0 / factor);
+    for (Vector3d& p : filling->mesh.points) p = back * p;
     return filling;
   }
   return std::nullopt;
@@ -353,10 +353,16 @@ Result<CookedFilling> fill(Builder& builder, const Part& part) {
     if (filling.isThickened) ++builder.choices.thickened;
     return filling;
   };
+  const auto follow = [&](const TetrahedralMesh& filling, double spacing) {
+    return follows(part, filling, spacing);
+  };
+  // as many as are allowed if the user has not chosen their number
+  const double allowed = builder.settings.points > 0 ? 0.0 : kMaxPoints / wantedPoints(*solid);
   Result<CookedFilling> thickened = Error{};
   for (double trial = points;; trial = std::min(kMinPoints, kEnough * trial)) {
-    std::optional<CookedFilling> exact = fillExactly(builder, part, *solid, trial);
-    if (!exact && builder.going) exact = fillPlate(builder, part, *solid, trial);
+    const double most = std::max(kMostExact, allowed) * trial;
+    std::optional<CookedFilling> exact = fillPlate(builder, part, *solid, trial, most);
+    if (!exact && builder.going) exact = fillExactly(builder, *solid, trial, most, follow);
     if (!builder.going) return Error{kEnded};
     if (exact) return taken(std::move(*exact));
     thickened = fillThickened(builder, part, *solid, trial);

@@ -231,20 +231,49 @@ double borderLength(const WeldedMesh& mesh) {
 
 }  // namespace
 
-Flatness flatnessOf(const std::vector<Vector3d>& points) {
+namespace {
+
+Vector3d sizeAlong(const Eigen::Matrix3d& axes, const std::vector<Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : points) box.extend(Vector3d(axes.transpose() * p));
+  return box.sizes();
+}
+
+/// Returns the axes turned about the third one.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& axes, double angle) {
+  return axes * Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+}
+
+/// Steps of the angle in the search for the smallest box, in a quarter turn, and halvings of the step.
+constexpr int kAngles = 90, kAngleHalvings = 12;
+
+}  // namespace
+
+FlatBox flatBoxOf(const std::vector<Vector3d>& points) {
   Vector3d middle = Vector3d::Zero();
   for (const Vector3d& p : points) middle += p / static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Vector3d& p : points) spread += (p - middle) * (p - middle).transpose();
-  Flatness flatness;
-  flatness.normal = symmetricParts3(spread).vectors.col(0);
-  double low = HUGE_VAL, high = -HUGE_VAL;
-  for (const Vector3d& p : points) {
-    low = std::min(low, flatness.normal.dot(p));
-    high = std::max(high, flatness.normal.dot(p));
+  const Vector3d normal = symmetricParts3(spread).vectors.col(0).normalized(),
+                 along = normal.unitOrthogonal();
+  Eigen::Matrix3d start;
+  start << along, normal.cross(along), normal;
+  const auto area = [&](double angle) {
+    const Vector3d size = sizeAlong(turned(start, angle), points);
+    return size.x() * size.y();
+  };
+  double best = 0.0, smallest = area(0.0), step = 0.5 * kPi / kAngles;
+  const auto attempt = [&](double angle) {
+    if (const double tried = area(angle); tried < smallest) best = angle, smallest = tried;
+  };
+  for (int i = 1; i < kAngles; ++i) attempt(i * step);
+  for (int i = 0; i < kAngleHalvings; ++i) {
+    step *= 0.5;
+    attempt(best - step);
+    attempt(best + step);
   }
-  flatness.height = high - low;
-  return flatness;
+  const Eigen::Matrix3d axes = turned(start, best);
+  return {axes, sizeAlong(axes, points)};
 }
 
 namespace {
@@ -331,12 +360,12 @@ std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness,
 
 std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
   if (welded.report.components != 1) return std::nullopt;
-  const double size = extent(welded.points), area = areaOf(welded), border = borderLength(welded);
-  const Flatness flatness = flatnessOf(welded.points);
-  const bool isFlat = flatness.height < kFlat * size && isPlate(welded, flatness.normal);
+  const FlatBox box = flatBoxOf(welded.points);
+  const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded), border = borderLength(welded);
+  const bool isFlat = box.size.z() < kFlat * size && isPlate(welded, box.axes.col(2));
   if (isFlat && welded.report.watertight()) {
     const double thickness = 2.0 * std::abs(signedVolume(welded.points, welded.triangles)) / area;
-    return buildSheet(frontOf(mesh, flatness.normal), thickness, points);
+    return buildSheet(frontOf(mesh, box.axes.col(2)), thickness, points);
   }
   const bool isOpen = border * border > kSheetBorder * area;
   return isFlat || isOpen ? buildSheet(mesh, kSheetThickness * size, points) : std::nullopt;
@@ -430,14 +459,13 @@ std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double
 }
 
 /// Returns the radius of the round rope that has the volume of a closed tube, or the circumference of an open
-/// one, whose radius is `radius`. A square tube has a circumference that is 13 % longer than that of the
-/// round one of its section.
+/// one, whose radius is `radius`.
 double roundRadius(const WeldedMesh& welded, const std::vector<Vector3d>& axis, double radius) {
   if (!welded.report.watertight()) return radius;
   double length = 0.0;
   for (std::size_t i = 1; i < axis.size(); ++i) length += (axis[i] - axis[i - 1]).norm();
   const double volume = std::abs(signedVolume(welded.points, welded.triangles));
-  return std::min(radius, std::sqrt(volume / (kPi * length)));
+  return std::sqrt(volume / (kPi * length));
 }
 
 }  // namespace

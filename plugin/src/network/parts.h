@@ -33,12 +33,12 @@ Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, 
 
 // --- sheets and ropes --------------------------------------------------------------------------------------
 
-/// The direction in which the points extend least, and their extent in it, m.
-struct Flatness {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  double height = 0.0;
+/// The smallest box around points that has one side in the direction in which these spread least.
+struct FlatBox {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns: along, across, normal; a rotation
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< m, in these directions
 };
-Flatness flatnessOf(const std::vector<Eigen::Vector3d>& points);
+FlatBox flatBoxOf(const std::vector<Eigen::Vector3d>& points);
 
 /// Returns a cloth if the mesh is one piece that is flat, or open with a border that is long for its area: as
 /// a disc has it, and not a ball with holes. Of a flat closed plate it is the front side. The cloth has the

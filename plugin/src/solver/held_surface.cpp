@@ -372,13 +372,15 @@ bool isJustInside(const HeldPiece* piece, const HeldPiece* end, const Vector3d& 
 
 }  // namespace
 
-bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Vector3d& point, const Vector3d& normal,
-               double radius) {
+bool isCovered(const HeldPiece* begin, const HeldPiece* end, const TouchedPoint& touched,
+               const Vector3d& normal, double radius) {
   const double ball = kBallRadius * radius;
-  const Vector3d center = point + ball * normal;
+  const Vector3d point = touched.core + touched.margin * touched.normal;
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
-    const HeldPoint nearest = nearestOn(other, next, center);
+    const double margin = other->margin == touched.margin ? touched.margin : 0.0;
+    HeldPoint nearest = nearestOn(other, next, (margin > 0.0 ? touched.core : point) + ball * normal);
+    nearest.height += margin;
     const bool isItself = isOfRevolution(other->kind) && (nearest.normal.dot(normal) > kRoundNormalCosine ||
                                                           isJustInside(other, next, point));
     if (!isItself && nearest.height < (1.0 - kOverlap) * ball) return true;

@@ -80,9 +80,16 @@ bool findContact(const HeldNeighbourhood& around, const Eigen::Vector3d& x,
 void findContacts(HeldNeighbourhood& around, const Eigen::Vector3d& x, const Eigen::Vector3d& displacement,
                   double within);
 
-/// Whether a sphere of radius `radius` that touches at `point` along `normal` would overlap other pieces.
-/// Pieces on which `point` lies do not count.
-bool isCovered(const HeldPiece* begin, const HeldPiece* end, const Eigen::Vector3d& point,
+/// A point of a piece that is touched along `normal`: on the piece without its margin (m).
+struct TouchedPoint {
+  Eigen::Vector3d core, normal;
+  double margin;
+};
+
+/// Whether a small sphere that leans against the touched point along `normal` would overlap other pieces.
+/// Pieces on which the point lies do not count. `radius`: m, of the body's surface. Pieces with the same
+/// margin are compared without it: an edge that the margin makes round is an edge still.
+bool isCovered(const HeldPiece* begin, const HeldPiece* end, const TouchedPoint& touched,
                const Eigen::Vector3d& normal, double radius);
 
 }  // namespace limber

@@ -78,6 +78,9 @@ struct SteppingChoice {
 /// Returns the largest rate (1/s) at which a damper of these springs reduces a speed, max c (wa + wb).
 double dampingRateBound(const SpringArrays& springs, const Points& inverseMass);
 
+/// Returns the rate (rad/s) of a rotation that needs no more substeps than usual in ticks of `tick` seconds.
+double negligibleTurn(double fastestSquared, double tick);
+
 /// Returns the fastest rotation (rad/s) of a spring: the relative velocity of its ends across it over its
 /// length; 0 if it is surely below `negligible`. `fastest`: m/s, the largest velocity of a point relative to
 /// any common one.
