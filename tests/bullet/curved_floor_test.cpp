@@ -189,38 +189,56 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
   }
 }
 
-/// A face of a cube lies on a hull that is smaller than it: only edges and the face touch. The margin, which
-/// makes the hull's edges round, is Bullet's default or any other.
+/// Drops a cube of half a metre and 8 points onto a static shape, so that a face hits it. Returns its final
+/// height, m.
+double heightOnShape(std::unique_ptr<btCollisionShape> shape, const Vector3d& center, double radius,
+                     double aside) {
+  BulletWorld bullet;
+  bullet.add(std::move(shape), 0, vec(center.x(), center.y(), center.z()))->setFriction(1);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.extensionStiffness = s.compressionStiffness = 2e4;
+  s.damping = 20.0;
+  s.friction = 1.0;
+  s.pointRadius = radius;
+  s.position = {aside, 0.45, 0.5 * aside};
+  s.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitY());
+  TriangleMesh mesh = small_meshes::cube();
+  for (Vector3d& p : mesh.positions) p *= 0.5;
+  const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
+  bullet.simulate(0.5);
+  return body->centerOfMass().y();
+}
+
+/// Only edges and a face of the cube touch the hull. The margin, which makes the hull's edges round, is
+/// Bullet's default or any other.
 TEST(SurfaceCurves, aHullOfAnyMarginCarriesEdgesAndFaces) {
-  if (!test::kSurface) GTEST_SKIP() << "points do not detect edges between them";
   for (const double radius : {0.005, 0.05})
     for (const double margin : {0.0, 0.15 * radius, radius, 0.04}) {
-      BulletWorld bullet;
       auto hull = std::make_unique<btConvexHullShape>();
       for (int i = 0; i < 8; ++i)
         hull->addPoint(vec(i & 1 ? 0.08 : -0.08, i & 2 ? 0.1 : -0.1, i & 4 ? 0.08 : -0.08));
       hull->setMargin(static_cast<btScalar>(margin));
-      bullet.add(std::move(hull), 0, vec(0, -0.1, 0));
-      SoftBodySystem system(*bullet.world);
-      SoftBodySettings s = test::testedSettings();
-      s.extensionStiffness = s.compressionStiffness = 2e4;
-      s.damping = 20.0;
-      s.friction = 1.0;
-      s.pointRadius = radius;
-      s.position = {0, 0.45, 0};
-      s.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitY());
-      TriangleMesh mesh = small_meshes::cube();
-      for (Vector3d& p : mesh.positions) p *= 0.5;
-      const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
-      bullet.simulate(1.5);
-      EXPECT_NEAR(body->centerOfMass().y(), 0.25 + radius + margin, 0.002) << radius << ", " << margin;
+      EXPECT_NEAR(heightOnShape(std::move(hull), {0, -0.1, 0}, radius, 0.0), 0.25 + radius + margin, 0.002)
+          << radius << ", " << margin;
     }
+}
+
+/// The ball's centre is under the edge between the two triangles of the face, where neither of them contains
+/// it, or beside it and under both in turn.
+TEST(SurfaceCurves, aBallUnderTheMiddleOfAFaceCarriesIt) {
+  for (const double ball : {0.05, 0.1, 0.3, 0.5})
+    for (const double radius : {0.005, 0.02})
+      for (const double aside : {0.0, 1e-4}) {
+        auto sphere = std::make_unique<btSphereShape>(static_cast<btScalar>(ball));
+        EXPECT_NEAR(heightOnShape(std::move(sphere), {0, -ball, 0}, radius, aside), 0.25 + radius, 0.002)
+            << ball << ", " << radius << ", " << aside;
+      }
 }
 
 /// The rim of a cylinder is a polyhedron's, of 64 edges, just inside the cylinder. The cloth lies on the disc
 /// around the rim of the inner radius; it sinks by a part of its own radius at most.
 TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {
-  if (!test::kSurface) GTEST_SKIP() << "points do not detect edges between them";
   constexpr double kRound = 0.4, kHalf = 0.3, kThin = 0.0015;  // m
   BulletWorld bullet;
   auto shape = std::make_unique<btCylinderShape>(vec(kRound, kHalf, kRound));

@@ -299,13 +299,20 @@ NearestFeature nearestEdge(const Vector3d& a, const Vector3d& b, const HeldCorne
           along.a > 0.0 && along.a < 1.0 && along.b > 0.0 && along.b < 1.0};
 }
 
+/// Share of its size by which a triangle carries a corner beyond its edges. Between two triangles in one
+/// plane there is no other contact, and the next search finds the corner on the second one.
+constexpr double kBeyondEdge = 0.01;
+
 NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vector3d& c,
                                const HeldCorners& held) {
-  const Vector3d weights = nearestBarycentric({a, b, c}, held.at[0]);
+  const Vector3d weights = nearestBarycentric({a, b, c}, held.at[0]), normal = (b - a).cross(c - a);
+  const Vector3d offset = weights[0] * a + weights[1] * b + weights[2] * c - held.at[0];
+  const double beyond = normal.cross(offset).squaredNorm(),
+               squaredSize = (b - a).squaredNorm() + (c - a).squaredNorm();
   return {{weights[0], weights[1], weights[2]},
-          weights[0] * a + weights[1] * b + weights[2] * c - held.at[0],
-          (b - a).cross(c - a),
-          weights.minCoeff() > 0.0};
+          offset,
+          normal,
+          beyond <= kBeyondEdge * kBeyondEdge * squaredSize * normal.squaredNorm()};
 }
 
 void followCorners(IslandConstraints& rows, std::size_t index) {
