@@ -2,6 +2,7 @@
 // cook(): what becomes of meshes of every kind, and materials of what is not filled with tetrahedra.
 
 #include "mesh/triangle_bvh.h"
+#include "network/tetrahedra.h"
 #include "support/constants.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
@@ -385,6 +386,54 @@ TEST(Cook, ropesRunStraightThroughStraightTubes) {
   for (std::size_t i = 1; i < axis.size(); ++i) length += (axis[i] - axis[i - 1]).norm();
   EXPECT_NEAR((axis.back() - axis.front()).norm(), 1.0, 0.002);
   EXPECT_NEAR(length, (axis.back() - axis.front()).norm(), 0.002);
+}
+
+/// A closed plate of 1 x 1 m of 8 x 8 cells, without those in the middle.
+TriangleMesh plateWithHole(double thickness) {
+  constexpr int kCells = 8;
+  const auto isSolid = [](int i, int j) {
+    const bool inside = i >= 0 && j >= 0 && i < kCells && j < kCells;
+    return inside && !(i >= 3 && i < 5 && j >= 3 && j < 5);
+  };
+  TriangleMesh mesh;
+  const auto corner = [&](int i, int j, int top) {
+    mesh.positions.emplace_back(double(i) / kCells, (top - 0.5) * thickness, double(j) / kCells);
+    return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  };
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  };
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < kCells; ++j) {
+      if (!isSolid(i, j)) continue;
+      add(corner(i, j, 1), corner(i, j + 1, 1), corner(i + 1, j + 1, 1), corner(i + 1, j, 1));
+      add(corner(i, j, 0), corner(i + 1, j, 0), corner(i + 1, j + 1, 0), corner(i, j + 1, 0));
+      const auto side = [&](int x0, int z0, int x1, int z1) {
+        add(corner(x0, z0, 0), corner(x0, z0, 1), corner(x1, z1, 1), corner(x1, z1, 0));
+      };
+      if (!isSolid(i - 1, j)) side(i, j + 1, i, j);
+      if (!isSolid(i + 1, j)) side(i + 1, j, i + 1, j + 1);
+      if (!isSolid(i, j - 1)) side(i, j, i + 1, j);
+      if (!isSolid(i, j + 1)) side(i + 1, j + 1, i, j + 1);
+    }
+  return mesh;
+}
+
+/// Places of the mesh lie exactly on edges of the tetrahedra: their barycentric coordinates are rounding
+/// errors there. Turned, the plate is the same.
+TEST(Cook, aPlateWithAHoleIsFilledAndSkinned) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.8, Vector3d(1, 2, 3).normalized()));
+  for (const bool isTurned : {false, true}) {
+    TriangleMesh mesh = plateWithHole(0.064);
+    if (isTurned)
+      for (Vector3d& p : mesh.positions) p = turn * p;
+    const CookedBody body = cooked(mesh).bodies.at(0);
+    EXPECT_NEAR(body.volume, 60.0 / 64.0 * 0.064, 1e-9);
+    double volume = 0.0;
+    for (const Tetrahedron& t : body.network->tetrahedra) volume += volumeOf(body.network->restPoints, t);
+    EXPECT_NEAR(volume / body.volume, 1.0, 0.05) << isTurned;
+  }
 }
 
 /// A plate of 5 % of its length is thinner than the tetrahedra of 200 points. Its tetrahedra are as flat as

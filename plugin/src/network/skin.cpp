@@ -147,7 +147,9 @@ SparseRows membership(const WeldedMesh& mesh, const SpringNetwork& network, cons
     if (!foot) continue;
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t point = network.surface[foot.triangle][static_cast<std::size_t>(c)];
-      entries.emplace_back(static_cast<Index>(i), static_cast<Index>(point), foot.barycentric[c]);
+      // rounding may make it negative, which has no root
+      entries.emplace_back(static_cast<Index>(i), static_cast<Index>(point),
+                           std::max(0.0, foot.barycentric[c]));
     }
   }
   SparseRows result(static_cast<Index>(mesh.points.size()), static_cast<Index>(network.restPoints.size()));
