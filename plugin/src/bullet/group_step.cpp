@@ -281,6 +281,13 @@ void guard(LinkedGroup& group, bool lasting, bool once) {
   }
 }
 
+/// Whether the motion had too little energy at the end of the last tick to end within the bound: the rest is
+/// in the springs, and comes back.
+bool isAboveBound(const EnergyLimit& limit) {
+  constexpr double kRounding = 1e-6;
+  return limit.on && limit.persists && limit.atEnd - limit.bound > kRounding * std::abs(limit.bound);
+}
+
 /// s, the time for which a change of the tick's length counts.
 constexpr double kTickMemory = 0.25;
 
@@ -297,14 +304,15 @@ void followTick(EnergyLimit& limit, double tick) {
 /// few substeps (maxSubsteps): springs that reverse within a substep, as crushed ones do, add or remove
 /// energy at random. Undamped bodies with ticks of changing length: Verlet conserves a quantity near the
 /// energy, a different one for each substep. In the last three cases the bound is the energy in the first of
-/// these ticks, because the energy oscillates.
+/// these ticks, because the energy oscillates. It holds on until what exceeds it has been removed.
 void startEnergyLimit(LinkedGroup& group, double tick) {
   if (group.inIsland) return;  // see limitIslandEnergy()
   if (!isPlain(group.step)) return guard(group, false, false);
   const SoftBodyData& single = *group.bodies[0];
   const bool cut = group.cut && group.stepper == Stepper::Verlet;
   const bool drifts = !single.springs->damped && single.energyLimit.unsteady > 0.0;
-  const bool lasting = (cut || drifts || bounces(single.contacts)) && areSurfacesAtRest(single.contacts);
+  const bool inexact = cut || drifts || bounces(single.contacts) || isAboveBound(single.energyLimit);
+  const bool lasting = inexact && areSurfacesAtRest(single.contacts);
   const bool once = !anyNear(single) && isFolded(single);
   const bool free = (lasting || once) && isFreeBody(group);
   guard(group, free && lasting, free && once);
@@ -456,7 +464,9 @@ void chooseStepping(LinkedGroup& group, double tick) {
 
 void limitIslandEnergy(LinkedGroup& group, bool alone, bool bouncing, bool joined) {
   const auto isInexact = [&] {
-    return bouncing || group.stepping.maxSubsteps > 0 || bounces(group.bodies[0]->contacts);
+    const SoftBodyData& body = *group.bodies[0];
+    return bouncing || group.stepping.maxSubsteps > 0 || bounces(body.contacts) ||
+           isAboveBound(body.energyLimit);
   };
   guard(group, alone && isInexact() && isFreeBody(group), false);
   measureDrag(group, joined);

@@ -460,7 +460,7 @@ int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies, Team& team) {
   if (!startSolve(rows, bodies)) return 0;
   forEachRow(rows, team, [&](std::size_t i) {
     ContactConstraint& row = rows.rows[i];
-    row.target = row.bounces ? speedAlong(rows, row) + row.rebound : 0.0;
+    row.target = row.bounces ? row.speedAfter(speedAlong(rows, row)) : 0.0;
   });
   const int sweeps = Solve{rows, bodies, team, Stage::Velocities}.run();
   forEachRow(rows, team, [&](std::size_t i) {

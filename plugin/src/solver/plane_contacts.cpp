@@ -43,7 +43,7 @@ inline void setTarget(PlaneContact& row, const PointView& points, double time, d
 
 /// Applies the second half of a bounce, an impulse along the normal or against it.
 inline void finishBounce(PlaneContact& row, const PointView& points) {
-  if (row.rebound > 0.0) return applyRow(row, points, speedAlong(row, points) + row.rebound);
+  if (row.rebound > 0.0) return applyRow(row, points, row.speedAfter(speedAlong(row, points)));
   const double size = row.rebound * row.mass;
   const Eigen::Vector3d impulse = size * row.normal;
   points.velocityOf(row.point) += points.inverseMassOf(row.point).cwiseProduct(impulse);
@@ -206,7 +206,8 @@ Bounce bounceOf(double gap, double approach, double before, double restitution, 
     speed *= restitution;
   }
   const double mean = (speed * timeLeft - 0.5 * pressing * timeLeft * timeLeft - distance) / dt;
-  return {false, mean, speed - pressing * timeLeft + kick - mean};
+  const double after = speed - pressing * timeLeft;
+  return {false, mean, after + kick - mean, std::max(restitution * impact, after)};
 }
 
 void addBounce(ContactTarget& target, const ContactBase& contact, double gap, double approach, double before,
@@ -214,7 +215,8 @@ void addBounce(ContactTarget& target, const ContactBase& contact, double gap, do
   if (!(gap < approach * dt)) return;
   const Bounce bounce = bounceOf(gap, approach, before, contact.restitution, contact.bounceThreshold, dt);
   if (bounce.rests) return;
-  target = {gap < 0.0 ? std::max(bounce.mean, target.target) : bounce.mean, bounce.rebound, true};
+  target = {gap < 0.0 ? std::max(bounce.mean, target.target) : bounce.mean, bounce.rebound, bounce.fastest,
+            true};
 }
 
 void solvePositions(ContactRows rows, const PointView& points, double time, double dt) {
@@ -223,12 +225,6 @@ void solvePositions(ContactRows rows, const PointView& points, double time, doub
     setTarget(*first, points, time, dt);
     applyRow(*first, points, first->target);
   });
-}
-
-void endOutrunBounces(std::vector<PlaneContact>& rows, std::uint32_t point, const PointView& points) {
-  const ContactRange range = contactsOfPoint(rows, point);
-  for (std::size_t i = range.begin; i < range.end; ++i)
-    if (speedAlong(rows[i], points) > rows[i].target) rows[i].bounces = false;
 }
 
 void solveVelocities(ContactRows rows, const PointView& points) {

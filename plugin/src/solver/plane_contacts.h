@@ -45,8 +45,12 @@ struct ContactBase {
 /// The motion along the normal that a contact asks for in a substep; written by the step.
 struct ContactTarget {
   double target = 0.0;   ///< m/s, least speed along the normal in the drift
-  double rebound = 0.0;  ///< m/s, see Bounce
+  double rebound = 0.0;  ///< m/s, this and the next: see Bounce
+  double fastest = 0.0;  ///< m/s
   bool bounces = false;
+
+  /// m/s, the speed after a bounce whose second half begins at the speed `now`.
+  double speedAfter(double now) const { return std::min(now + rebound, fastest); }
 };
 
 /// A point mass above a static or kinematic surface: the point's centre must stay on the outer side of a
@@ -86,14 +90,16 @@ ContactRange contactsOfPoint(const std::vector<PlaneContact>& rows, std::uint32_
 using kernel::minSpeed, kernel::coneFactor;
 
 /// A substep in which a point hits a surface and leaves it by Newton's law of restitution: along the normal
-/// `mean` is the speed of the drift, and `rebound` is added after the second kick.
+/// `mean` is the speed of the drift, and `rebound` is added after the second kick, up to the speed `fastest`.
+/// Several contacts that share points, as an edge and its ends, bounce in the same substep: without that
+/// limit their rebounds would add up.
 ///
 /// The point hits the surface at the position and time of motion under a constant force, and continues from
 /// there. The drift's own speed belongs to another time: with it, points pressed onto a surface would gain
 /// energy at some times and lose it at others, and would gain on average.
 struct Bounce {
   bool rests = true;  ///< no bounce: the point is slow, or would bounce too often within the substep
-  double mean = 0.0, rebound = 0.0;
+  double mean = 0.0, rebound = 0.0, fastest = 0.0;
 };
 
 /// Computes a bounce over dt seconds. `approach` is the point's speed after the first kick, `before` that at
@@ -158,10 +164,6 @@ struct ContactWatch {
   /// Moves the rows to those of the body.
   virtual void merge() = 0;
 };
-
-/// Call it for a point after other contacts have changed its velocity, before the drift. Ends bounces that
-/// these have outrun: the second half of such a bounce would be added to that of the others.
-void endOutrunBounces(std::vector<PlaneContact>& rows, std::uint32_t point, const PointView& points);
 
 /// Changes velocities after the second kick of a substep: points that touch do not approach. Completes
 /// solvePositions as RATTLE completes SHAKE: velocities are those of bodies at rest, not of a step in free

@@ -339,20 +339,6 @@ void kickAndSettle(SolverIsland& group, Team& team, double dt) {
   for (RigidState& rigid : group.links.rigids) rigid.kick(0.5 * dt);
 }
 
-/// Ends bounces of single points that bounces of the island's contacts outrun.
-void endOutrunBounces(SolverIsland& group) {
-  const std::vector<ContactConstraint>& rows = group.pairs.rows;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!rows[i].bounces || rows[i].positionImpulse.n <= 0.0) continue;
-    for (const ContactPoint* side : {&contactOf(group.pairs, i).a, &contactOf(group.pairs, i).b}) {
-      if (side->kind != ContactPoint::Kind::Soft || !group.bodies[side->body].contacts) continue;
-      for (std::uint32_t k = 0; k < side->count; ++k)
-        limber::endOutrunBounces(*group.bodies[side->body].contacts, side->point[k],
-                                 group.links.views[side->body]);
-    }
-  }
-}
-
 void prepare(SolverIsland& group) {
   load(group);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
@@ -390,7 +376,6 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     kickAndStop(group, team, s * dt, dt);
     followContacts(group.pairs, group.links, team, dt);
     solvePositions(group.pairs, group.links, team, dt, tick);
-    endOutrunBounces(group);
     updateGaps(group.pairs, team, dt);
     const bool estimates = last || 2 * s == substeps;
     if (estimates) keepForces(group);
