@@ -296,8 +296,11 @@ std::optional<CookedFilling> fillExactly(Builder& builder, const Solid& solid, d
   return std::nullopt;
 }
 
-/// Largest height of a plate, as a fraction of its length, and the factors by which its height is stretched.
-constexpr double kPlateHeight = 0.15;
+/// Largest height of a plate, as a fraction of its length, and the least share of its area that faces along
+/// its normal: of round limbs it is 2/3.
+constexpr double kPlateHeight = 0.15, kPlateShare = 0.72;
+
+/// The factors by which a plate's height is stretched.
 constexpr double kStretches[] = {1.0, 1.4, 2.0, 2.8, 4.0, 5.6};
 
 /// Least share of a plate's volume that its tetrahedra fill: holes are as deep as it is.
@@ -310,6 +313,7 @@ std::optional<CookedFilling> fillPlate(Builder& builder, const Part& part, const
                                        double most) {
   const FlatBox box = flatBoxOf(part.welded.points);
   if (box.size.z() > kPlateHeight * box.size.head<2>().maxCoeff()) return std::nullopt;
+  if (facingShare(part.welded, box.axes.col(2)) < kPlateShare) return std::nullopt;
   for (const double factor : kStretches) {
     const Eigen::Matrix3d scale = Vector3d(1.0, 1.0, factor).asDiagonal();
     const Eigen::Matrix3d there = scale * box.axes.transpose(), back = box.axes * scale.inverse();

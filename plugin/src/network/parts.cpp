@@ -328,16 +328,6 @@ TriangleMesh refined(TriangleMesh mesh, std::size_t limit) {
   return mesh;
 }
 
-bool isPlate(const WeldedMesh& mesh, const Vector3d& normal) {
-  double area = 0.0, facing = 0.0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vector3d vector = areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
-    area += vector.norm();
-    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
-  }
-  return facing > kPlateArea * area;
-}
-
 std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness, std::size_t points) {
   const Result<WeldedMesh> welded = weld(mesh);
   if (!welded || welded->report.components != 1) return std::nullopt;
@@ -358,11 +348,21 @@ std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness,
 
 }  // namespace
 
+double facingShare(const WeldedMesh& mesh, const Vector3d& normal) {
+  double area = 0.0, facing = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vector3d vector = areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
+    area += vector.norm();
+    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
+  }
+  return facing / area;
+}
+
 std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
   if (welded.report.components != 1) return std::nullopt;
   const FlatBox box = flatBoxOf(welded.points);
   const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded), border = borderLength(welded);
-  const bool isFlat = box.size.z() < kFlat * size && isPlate(welded, box.axes.col(2));
+  const bool isFlat = box.size.z() < kFlat * size && facingShare(welded, box.axes.col(2)) > kPlateArea;
   if (isFlat && welded.report.watertight()) {
     const double thickness = 2.0 * std::abs(signedVolume(welded.points, welded.triangles)) / area;
     return buildSheet(frontOf(mesh, box.axes.col(2)), thickness, points);

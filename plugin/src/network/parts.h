@@ -40,6 +40,10 @@ struct FlatBox {
 };
 FlatBox flatBoxOf(const std::vector<Eigen::Vector3d>& points);
 
+/// Returns the share of the area that faces along the normal or against it, within 60 degrees: 2/3 of a round
+/// wire across.
+double facingShare(const WeldedMesh& mesh, const Eigen::Vector3d& normal);
+
 /// Returns a cloth if the mesh is one piece that is flat, or open with a border that is long for its area: as
 /// a disc has it, and not a ball with holes. Of a flat closed plate it is the front side. The cloth has the
 /// mesh's points, or about `points` (0: 800) if these are more; coarse meshes are divided so that they can
