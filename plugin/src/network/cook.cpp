@@ -219,11 +219,16 @@ double thickSpacing(const Solid& solid, double points) {
   return std::max(spacingFor(solid, points), std::sqrt(1.2 * kLatticeThickness * area / points));
 }
 
+/// Smallest spring constants of bodies, as fractions of Van Gelder's. Limbs of one tetrahedron across are not
+/// exact anyway, so that they return from large deformations counts more.
+constexpr double kExactGrowth = 0.2, kRobustGrowth = 0.5;
+
 /// A filling.
 struct CookedFilling {
   TetrahedralMesh mesh;
   double spacing = 0.0;      ///< m
   bool isThickened = false;  ///< thin parts are thicker than in the mesh
+  double minGrowth = kRobustGrowth;
 };
 
 /// Wraps a part so that nothing is thinner than the lattice, and fills it with about `points` points, which
@@ -254,7 +259,7 @@ Result<CookedFilling> fillThickened(Builder& builder, const Part& part, const So
       thickness *= kThicker;
   }
   if (!best) return Error{best.error()};
-  return CookedFilling{std::move(*best), used, true};
+  return CookedFilling{std::move(*best), used, true, kRobustGrowth};
 }
 
 /// Largest ratio of points to the number that the user wants, and the ratio between two trials. Thickened
@@ -291,7 +296,9 @@ std::optional<CookedFilling> fillExactly(Builder& builder, const Solid& solid, d
                        [&](double done) { return builder.report("tetrahedra", done); });
     if (!builder.going) return std::nullopt;
     if (!filling || static_cast<double>(filling->points.size()) > most) continue;
-    if (accepts(*filling, spacing)) return CookedFilling{std::move(*filling), spacing, false};
+    const bool isThin = solid.thickness < kLatticeThickness * spacing;
+    if (accepts(*filling, spacing))
+      return CookedFilling{std::move(*filling), spacing, false, isThin ? kRobustGrowth : kExactGrowth};
   }
   return std::nullopt;
 }
@@ -327,6 +334,7 @@ std::optional<CookedFilling> fillPlate(Builder& builder, const Part& part, const
     if (!builder.going) return std::nullopt;
     if (!filling) continue;
     for (Vector3d& p : filling->mesh.points) p = back * p;
+    filling->minGrowth = kExactGrowth;  // more would make them stiffer, and not return more often
     return filling;
   }
   return std::nullopt;
@@ -378,19 +386,14 @@ Result<CookedFilling> fill(Builder& builder, const Part& part) {
   // one that misses something is better than none
   Result<TetrahedralMesh> rough = fillWithPoints(solid->surface, static_cast<std::size_t>(points));
   if (!rough) return Error{thickened.error()};
-  return taken({std::move(*rough), spacingFor(*solid, points), false});
+  return taken({std::move(*rough), spacingFor(*solid, points), false, kRobustGrowth});
 }
-
-/// Smallest spring constants of thickened bodies, as fractions of Van Gelder's: their limbs are not exact
-/// anyway, so that they return from large deformations counts more.
-constexpr double kExactGrowth = 0.2, kRobustGrowth = 0.5;
 
 Result<SpringNetwork> fillWithSprings(Builder& builder, const Part& part) {
   Result<CookedFilling> filling = fill(builder, part);
   if (!filling) return Error{filling.error()};
   const auto goOn = [&](double done) { return builder.report("spring constants", done); };
-  SpringNetwork network =
-      materialNetwork(std::move(filling->mesh), goOn, filling->isThickened ? kRobustGrowth : kExactGrowth);
+  SpringNetwork network = materialNetwork(std::move(filling->mesh), goOn, filling->minGrowth);
   if (!builder.going) return Error{kEnded};
   return network;
 }
