@@ -189,12 +189,9 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
   }
 }
 
-/// Drops a cube of half a metre and 8 points onto a static shape, so that a face hits it. Returns its final
-/// height, m.
-double heightOnShape(std::unique_ptr<btCollisionShape> shape, const Vector3d& center, double radius,
-                     double aside) {
-  BulletWorld bullet;
-  bullet.add(std::move(shape), 0, vec(center.x(), center.y(), center.z()))->setFriction(1);
+/// Drops a cube of half a metre and 8 points onto what is in the world, so that a face hits it. Returns its
+/// final height, m.
+double heightOfCube(BulletWorld& bullet, double radius, double aside) {
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = test::testedSettings();
   s.extensionStiffness = s.compressionStiffness = 2e4;
@@ -208,6 +205,22 @@ double heightOnShape(std::unique_ptr<btCollisionShape> shape, const Vector3d& ce
   const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
   bullet.simulate(0.5);
   return body->centerOfMass().y();
+}
+
+double heightOnShape(std::unique_ptr<btCollisionShape> shape, const Vector3d& center, double radius,
+                     double aside) {
+  BulletWorld bullet;
+  bullet.add(std::move(shape), 0, vec(center.x(), center.y(), center.z()))->setFriction(1);
+  return heightOfCube(bullet, radius, aside);
+}
+
+/// The margin lifts what lies on a mesh. Its triangles are then farther away than the body's radius.
+TEST(SurfaceCurves, aMeshOfAnyMarginCarriesABodyAtIt) {
+  for (const double margin : {0.0, 0.01, 0.04}) {
+    BulletWorld bullet;
+    bullet.addTriangleFloor()->getCollisionShape()->setMargin(static_cast<btScalar>(margin));
+    EXPECT_NEAR(heightOfCube(bullet, 0.01, 0.0), 0.25 + 0.01 + margin, 0.002) << margin;
+  }
 }
 
 /// Only edges and a face of the cube touch the hull. The margin, which makes the hull's edges round, is

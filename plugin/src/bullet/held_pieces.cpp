@@ -201,8 +201,8 @@ struct PieceCollector {
         self->addTriangle(Kind::Sheet, corners, margin);
       }
     } visit;
-    visit.self = this, visit.pose = &pose, visit.own = localBoxOf(pose, box.min(), box.max());
-    visit.margin = double(shape.getMargin());
+    visit.self = this, visit.pose = &pose, visit.margin = double(shape.getMargin());
+    visit.own = localBoxOf(pose, box.min().array() - visit.margin, box.max().array() + visit.margin);
     const std::size_t before = pieces.size();
     const std::unique_lock<std::mutex> lock = shapes.lockMesh(shape);
     shape.processAllTriangles(&visit, visit.own.low, visit.own.high);

@@ -495,9 +495,11 @@ bool contains(const LocalBox& box, const LocalBox& other) {
   return true;
 }
 
-/// Returns the box in the object's coordinates, for the object's poses at the start and the end of the tick.
+/// Returns the box in the object's coordinates, for the object's poses at the start and the end of the tick,
+/// and wider by the shape's margin.
 LocalBox boxIn(const btCollisionObject& object, const SweptBox& world) {
-  const Vector3d low = world.low.head<3>(), high = world.high.head<3>();
+  const double margin = double(object.getCollisionShape()->getMargin());
+  const Vector3d low = world.low.head<3>().array() - margin, high = world.high.head<3>().array() + margin;
   LocalBox box = localBoxOf(object.getWorldTransform(), low, high);
   if (!isKinematic(object)) return box;
   const LocalBox endBox = localBoxOf(object.getInterpolationWorldTransform(), low, high);
