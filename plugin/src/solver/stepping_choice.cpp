@@ -148,7 +148,7 @@ constexpr double kNegligibleTurn = 0.5;
 /// substep. At its end, after turning by t, they are longer by t^2 / 8 of it: of a body of mass m and radius
 /// r the energy is about  m r^2 w^2 (t^2 / 8)^2 / 2.  Where that comes near the kinetic energy, the limit of
 /// the energy takes it from the rotation: an undamped cube of 1e8 N/m lost two thirds of it in ten seconds.
-constexpr double kMaxSpin = 3.0;
+constexpr double kMaxSpin = 0.5;
 
 /// Largest damping rate times substep in an impact, and the largest factor by which an impact raises Verlet's
 /// number of substeps. Contacts stop the points that touch, and dampers set these in motion again: in each
