@@ -324,12 +324,9 @@ class StaticSurroundings {
  public:
   StaticSurroundings(const SoftBodyData& body, const TouchedPoint& touched, double radius,
                      std::vector<HeldPiece>& pieces)
-      : pieces_(pieces),
-        touched_(touched),
-        position_(touched.core + touched.margin * touched.normal),
-        radius_(radius) {
+      : pieces_(pieces), touched_(touched), radius_(radius) {
     pieces.clear();
-    const Vector3d& position = position_;
+    const Vector3d position = touched.onSurface();
     const Eigen::AlignedBox3d box(position.array() - radius, position.array() + radius);
     std::uint32_t owner = 0;
     for (const btCollisionObject* partner : body.partners)
@@ -356,7 +353,7 @@ class StaticSurroundings {
       if (piece.kind != HeldPiece::Kind::Cylinder) continue;
       const double radius = piece.size[0] + piece.margin;
       const bool isSide = std::abs(normal.dot(piece.axes.col(1))) < kAlongAxis;
-      if (isSide && std::abs(nearestOn(&piece, &piece + 1, position_).height) < kOnSide * radius)
+      if (isSide && std::abs(nearestOn(&piece, &piece + 1, touched_.onSurface()).height) < kOnSide * radius)
         return radius;
     }
     return 0.0;
@@ -365,7 +362,6 @@ class StaticSurroundings {
  private:
   std::vector<HeldPiece>& pieces_;
   TouchedPoint touched_;
-  Vector3d position_;
   double radius_;
 };
 

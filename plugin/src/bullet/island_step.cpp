@@ -244,7 +244,7 @@ bool bounces(const Island& island) {
 void stepIsland(Island& island, const TickContacts& found, double tick, ScratchPool<SurfaceSearch>& searches,
                 std::mutex& lock) {
   const bool joined = !island.joints.empty();
-  const bool alone = isAlone(island), bouncing = bounces(island);
+  const bool alone = isAlone(island), bouncing = alone && bounces(island);
   for (LinkedGroup* group : island.groups) limitIslandEnergy(*group, alone, bouncing, joined);
   int substeps = 1;
   for (const LinkedGroup* group : island.groups) substeps = std::max(substeps, group->substeps);

@@ -215,9 +215,10 @@ std::map<Edge, double> areasAtEdges(const SpringNetwork& network) {
   return areas;
 }
 
-/// Returns the largest constant (1/m^2 times m^2) of two edges in a row from a to b.
-double constantOfDetour(const std::vector<std::map<std::uint32_t, double>>& constants, std::uint32_t a,
-                        std::uint32_t b) {
+using Constants = std::vector<std::map<std::uint32_t, double>>;  ///< #points, of the edges to other points
+
+/// Returns the largest constant of two edges in a row from a to b, as springs in series.
+double constantOfDetour(const Constants& constants, std::uint32_t a, std::uint32_t b) {
   double largest = 0.0;
   for (const auto& [middle, first] : constants[a]) {
     const auto second = constants[b].find(middle);
@@ -229,32 +230,50 @@ double constantOfDetour(const std::vector<std::map<std::uint32_t, double>>& cons
 
 }  // namespace
 
-void setSheetSprings(SpringNetwork& network, double bending) {
-  const std::vector<Eigen::Vector3d>& points = network.restPoints;
-  const std::map<Edge, double> areas = areasAtEdges(network);
-  std::vector<std::map<std::uint32_t, double>> constants(points.size());
+namespace {
+
+/// Returns Van Gelder's constants of the edges (N/m for 1 Pa m).
+Constants sheetConstants(const SpringNetwork& network, const std::map<Edge, double>& areas) {
+  Constants constants(network.restPoints.size());
   for (const auto& [edge, area] : areas) {
-    const double constant = area / (points[edge[1]] - points[edge[0]]).squaredNorm();
-    constants[edge[0]][edge[1]] = constants[edge[1]][edge[0]] = constant;
+    const double squared = (network.restPoints[edge[1]] - network.restPoints[edge[0]]).squaredNorm();
+    constants[edge[0]][edge[1]] = constants[edge[1]][edge[0]] = area / squared;
   }
+  return constants;
+}
+
+/// Returns the springs of a sheet, with areas as the volumes of its points.
+Edges sheetEdges(const SpringNetwork& network, const std::map<Edge, double>& areas, double bending) {
+  const Constants constants = sheetConstants(network, areas);
   Edges edges;
   for (const NetworkSpring& s : network.springs) {
-    const Eigen::Vector3d along = points[s.b] - points[s.a];
+    const Eigen::Vector3d along = network.restPoints[s.b] - network.restPoints[s.a];
     const auto area = areas.find({s.a, s.b});
-    edges.add({s.a, s.b}, along,
-              area != areas.end()
-                  ? area->second
-                  : 2.0 * bending * constantOfDetour(constants, s.a, s.b) * along.squaredNorm());
+    const double brace = 2.0 * bending * constantOfDetour(constants, s.a, s.b) * along.squaredNorm();
+    edges.add({s.a, s.b}, along, area != areas.end() ? area->second : brace);
   }
+  edges.pointVolumes.assign(network.restPoints.size(), 0.0);
+  for (const auto& [edge, area] : areas)
+    for (const std::uint32_t p : edge) edges.pointVolumes[p] += area / 6.0;
+  return edges;
+}
+
+std::vector<FourthDegree> sheetElasticities(const SpringNetwork& network) {
+  const std::vector<Eigen::Vector3d>& points = network.restPoints;
   std::vector<Eigen::Vector3d> normals(points.size(), Eigen::Vector3d::Zero());
-  edges.pointVolumes.assign(points.size(), 0.0);
-  for (const Triangle& t : network.surface) {
-    const Eigen::Vector3d area = areaVector(points[t[0]], points[t[1]], points[t[2]]);
-    for (const std::uint32_t p : t) normals[p] += area, edges.pointVolumes[p] += area.norm() / 3.0;
-  }
+  for (const Triangle& t : network.surface)
+    for (const std::uint32_t p : t) normals[p] += areaVector(points[t[0]], points[t[1]], points[t[2]]);
   std::vector<FourthDegree> elasticities;
   for (const Eigen::Vector3d& normal : normals) elasticities.push_back(flatElasticity(normal.normalized()));
-  const std::vector<double> x = isotropicConstants(edges, elasticities, kLeastSheet);
+  return elasticities;
+}
+
+}  // namespace
+
+void setSheetSprings(SpringNetwork& network, double bending) {
+  const std::map<Edge, double> areas = areasAtEdges(network);
+  const Edges edges = sheetEdges(network, areas, bending);
+  const std::vector<double> x = isotropicConstants(edges, sheetElasticities(network), kLeastSheet);
   double sum = 0.0;
   for (std::size_t e = 0; e < x.size(); ++e)
     if (network.springs[e].kind == SpringKind::Structural) sum += x[e] / edges.squaredLengths[e];

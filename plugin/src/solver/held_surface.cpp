@@ -375,7 +375,7 @@ bool isJustInside(const HeldPiece* piece, const HeldPiece* end, const Vector3d& 
 bool isCovered(const HeldPiece* begin, const HeldPiece* end, const TouchedPoint& touched,
                const Vector3d& normal, double radius) {
   const double ball = kBallRadius * radius;
-  const Vector3d point = touched.core + touched.margin * touched.normal;
+  const Vector3d point = touched.onSurface();
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
     const double margin = other->margin == touched.margin ? touched.margin : 0.0;

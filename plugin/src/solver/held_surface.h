@@ -84,6 +84,8 @@ void findContacts(HeldNeighbourhood& around, const Eigen::Vector3d& x, const Eig
 struct TouchedPoint {
   Eigen::Vector3d core, normal;
   double margin;
+
+  Eigen::Vector3d onSurface() const { return core + margin * normal; }
 };
 
 /// Whether a small sphere that leans against the touched point along `normal` would overlap other pieces.
