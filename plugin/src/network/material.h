@@ -110,10 +110,11 @@ double setMaterialSprings(SpringNetwork& network, const std::function<bool(doubl
                           double minGrowth = 0.2);
 
 /// Gives the springs of a sheet, edges of its triangles and braces, constants that make it as stiff in all
-/// its directions as its triangles allow, with stiffness scales whose mean over the edges is 1. The constants
-/// begin with Van Gelder's, k = E h A / L^2 with the sum A of the areas at an edge and the thickness h, and
-/// for braces `bending` times twice the constant of the two edges in a row that they span. They are changed
-/// as those of tetrahedra are. Poisson's ratio is 1/3.
+/// its directions as its triangles allow, with stiffness scales whose mean over the edges is about 1. The
+/// constants begin with Van Gelder's, k = E h A / L^2 with the sum A of the areas at an edge and the
+/// thickness h, and for braces `bending` times twice the constant of the two edges in a row that they span.
+/// They are changed as those of tetrahedra are, and limited at slivers, which would shorten the time step.
+/// Poisson's ratio is 1/3.
 void setSheetSprings(SpringNetwork& network, double bending);
 
 /// Returns the mass fractions of the points of a network with tetrahedra and springs, sum 1. A quarter of

@@ -204,6 +204,9 @@ FourthDegree flatElasticity(const Eigen::Vector3d& normal) {
 /// Smallest constant of a sheet's spring as a fraction of Van Gelder's.
 constexpr double kLeastSheet = 0.2;
 
+/// Largest rate of a point's oscillation squared, as a multiple of the median.
+constexpr double kFastest = 1.5;
+
 /// Returns the sum of the areas of the triangles at each edge, m^2.
 std::map<Edge, double> areasAtEdges(const SpringNetwork& network) {
   std::map<Edge, double> areas;
@@ -268,12 +271,30 @@ std::vector<FourthDegree> sheetElasticities(const SpringNetwork& network) {
   return elasticities;
 }
 
+/// Limits the constants x = k L^2 at points that would oscillate faster than most, as those of slivers, which
+/// alone would shorten the time step: to kFastest times the median of  sum k / m.
+void limitFastPoints(const SpringNetwork& network, const Edges& edges, std::vector<double>& x) {
+  std::vector<double> rates(network.restPoints.size(), 0.0);
+  for (std::size_t e = 0; e < x.size(); ++e)
+    for (const std::uint32_t p : edges.ends[e])
+      rates[p] += x[e] / edges.squaredLengths[e] / network.massFractions[p];
+  std::vector<double> sorted = rates;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double largest = kFastest * *middle;
+  for (std::size_t e = 0; e < x.size(); ++e) {
+    const double rate = std::max(rates[edges.ends[e][0]], rates[edges.ends[e][1]]);
+    if (rate > largest) x[e] *= largest / rate;
+  }
+}
+
 }  // namespace
 
 void setSheetSprings(SpringNetwork& network, double bending) {
   const std::map<Edge, double> areas = areasAtEdges(network);
   const Edges edges = sheetEdges(network, areas, bending);
-  const std::vector<double> x = isotropicConstants(edges, sheetElasticities(network), kLeastSheet);
+  std::vector<double> x = isotropicConstants(edges, sheetElasticities(network), kLeastSheet);
+  limitFastPoints(network, edges, x);
   double sum = 0.0;
   for (std::size_t e = 0; e < x.size(); ++e)
     if (network.springs[e].kind == SpringKind::Structural) sum += x[e] / edges.squaredLengths[e];
