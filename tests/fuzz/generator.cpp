@@ -45,6 +45,7 @@ class Writer {
   void surroundings(int frames);
   void changes(int frames);
   void joins(int frames);
+  void studs();
   void userStep(int at);
   bool mayBePulled(int soft) const;
   void userOnPoints(Step& step);
@@ -506,6 +507,44 @@ void Writer::joins(int frames) {
   }
 }
 
+/// Puts small static objects of every shape under the soft bodies, where their points, edges and faces come
+/// down. Has dice of its own, too.
+void Writer::studs() {
+  Dice dice(story_.seed + 0x57d5);
+  if (dice.chance(0.6)) return;
+  const std::size_t count = story_.steps.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (story_.steps[i].kind != Kind::Soft) continue;
+    const Vector3d above = story_.steps[i].vec("position"), scale = story_.steps[i].vec("scale");
+    const std::string network = story_.steps[i].choice("network");
+    for (int n = dice.between(1, 3); n > 0; --n) {
+      Step& s = addObject(Kind::Rigid);
+      s.choose("shape", dice.of<std::string>({"box", "sphere", "capsule-x", "capsule-y", "cylinder-y",
+                                              "cone-y", "hull", "triangle-hull", "scaled", "tetrahedron",
+                                              "multi-sphere", "hull"}))
+          .choose("motion", "static")
+          .set("size", dice.chance(0.5) ? Vector3d(Vector3d::Constant(dice.decades(0.01, 0.2)))
+                                        : dice.box({0.02, 0.02, 0.02}, {0.2, 0.2, 0.2}))
+          .set("variant", dice.below(60));
+      const Vector3d aside = dice.chance(0.5)
+                                 ? Vector3d(dice.of({0.0, 0.25, 0.5}), 0, dice.of({0.0, 0.25, 0.5}))
+                                 : dice.box({-0.5, 0, -0.5}, {0.5, 0, 0.5});
+      Vector3d at = above + aside.cwiseProduct(scale);
+      // apart from the body; a floor may cover a part of it
+      const OwnedShape shape = makeShape(s.choice("shape"), s.vec("size"), s.whole("variant"));
+      const double lowest = above.y() - networkRadius(*networkNamed(network), scale);
+      at.y() = std::min(dice.of({0.0, 0.1, 0.2}), lowest - shape.radius - 0.15);
+      s.set("position", at).set("friction", dice.of({0.5, 0.0, 1.0}));
+      if (dice.chance(0.5)) s.set("margin", dice.of({0.0, 0.002, 0.01, 0.04}));
+      if (dice.chance(0.3)) s.set("rotation", dice.ball(2.0));
+    }
+    // half of the bodies come down exactly as they are placed
+    if (dice.chance(0.5))
+      story_.steps[i].set("velocity", Vector3d(0, dice.number(-3, 0), 0)).set("spin", Vector3d(0, 0, 0));
+    if (dice.chance(0.5)) story_.steps[i].set("rotation", Vector3d(0, 0, 0));
+  }
+}
+
 Story Writer::write() {
   world();
   time();
@@ -515,6 +554,7 @@ Story Writer::write() {
   for (int i = dice_.of({1, 1, 1, 2, 2, 3}); i > 0; --i) soft();
   if (wild()) otherObjects();
   if (wild()) user(frames_);
+  if (promise_ == "closed") studs();
   return std::move(story_);
 }
 

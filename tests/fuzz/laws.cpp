@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #include "fuzz/laws.h"
 
+#include "fuzz/bullet_shapes.h"
+#include "fuzz/dice.h"
 #include "fuzz/networks.h"
+
+#include "mesh/triangle_bvh.h"
 
 namespace limber::fuzz {
 namespace {
+
+using Eigen::Vector3d;
 
 std::string frameText(std::size_t i) { return "frame " + std::to_string(static_cast<long>(i) - 1) + ": "; }
 
@@ -130,6 +136,62 @@ Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd& points) {
   return {points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
 }
 
+/// Whether each edge of the surface has a triangle on either side.
+bool isClosed(const std::vector<Triangle>& surface) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (const Triangle& t : surface)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+      sides[{a, b}] += t[k] < t[(k + 1) % 3] ? 1 : -1;
+    }
+  return !surface.empty() &&
+         std::all_of(sides.begin(), sides.end(), [](const auto& e) { return e.second == 0; });
+}
+
+/// Returns the radius (m) of the largest ball about the origin within a convex shape; 0 for others.
+double innerRadius(const btCollisionShape& shape) {
+  if (!shape.isConvex()) return 0.0;
+  const auto& convex = static_cast<const btConvexShape&>(shape);
+  double radius = 1e9;
+  Dice dice(1);
+  for (int i = 0; i < 500; ++i) {
+    const btVector3 direction = toBt(dice.ball(1.0).normalized());
+    radius = std::min(radius, double(direction.dot(convex.localGetSupportingVertex(direction))));
+  }
+  return std::max(radius, 0.0);
+}
+
+/// Checks that no closed surface of a soft body encloses the centre of a rigid body that was outside at the
+/// start.
+std::optional<Failure> checkPierced(const Story& story, const Run& run) {
+  for (const Step& s : story.steps) {
+    if (s.kind != Kind::Soft || s["ccd"] == 0.0 || s.choice("collision") == "points") continue;
+    const SpringNetwork& network = *networkNamed(s.choice("network"));
+    if (!isClosed(network.surface)) continue;
+    for (const Step& r : story.steps) {
+      if (r.kind != Kind::Rigid) continue;
+      OwnedShape shape = makeShape(r.choice("shape"), r.vec("size"), r.whole("variant"));
+      // m, smaller balls are near the surface when they touch it
+      if (innerRadius(*shape.shape) < 0.01) continue;
+      for (std::size_t i = 0; i < run.frames.size(); ++i) {
+        const auto soft = run.frames[i].soft.find(s.id);
+        const auto rigid = run.frames[i].rigid.find(r.id);
+        if (soft == run.frames[i].soft.end() || rigid == run.frames[i].rigid.end()) break;
+        const Vector3d centre = rigid->second.position;
+        Eigen::AlignedBox3d box = boxOf(soft->second);
+        if (i == 0 && box.exteriorDistance(centre) < shape.radius + 0.1) break;
+        if (!box.contains(centre)) continue;
+        std::vector<Vector3d> points;
+        for (const auto& p : soft->second.colwise()) points.emplace_back(p);
+        if (std::abs(TriangleBvh(points, network.surface).windingNumber(centre)) > 0.5)
+          return Failure{"pierced", frameText(i) + "soft body " + std::to_string(s.id) +
+                                        " encloses the centre of rigid body " + std::to_string(r.id)};
+      }
+    }
+  }
+  return {};
+}
+
 /// Whether all soft bodies start above the floor and apart from each other. No law says how overlapping
 /// bodies separate.
 bool startsClear(const Story& story, const Frame& start) {
@@ -154,6 +216,7 @@ bool startsClear(const Story& story, const Frame& start) {
 std::optional<Failure> checkClosed(const Story& story, const Run& run, const Run& twin, const Lawbook& laws) {
   if (!startsClear(story, run.frames.front())) return {};
   if (auto failure = checkFloor(story, run)) return failure;
+  if (auto failure = checkPierced(story, run)) return failure;
   if (auto failure = checkEnergy(story, run, twin)) return failure;
   if (story.first(Kind::World).choice("promise") == "gentle") return checkInvariance(story, run, laws);
   return {};

@@ -167,6 +167,7 @@ void WorldPlayer::addRigidObject(int id, OwnedShape shape, const Step& s, const 
   if (rigids_.count(id)) return;
   RigidObject& made = rigids_[id];
   made.shape = std::move(shape);
+  if (s["margin"] >= 0.0) made.shape.shape->setMargin(toBt(s["margin"]));
   std::string motion = s.choice("motion");
   if (made.shape.fixed && motion == "dynamic") motion = "static";
   const double mass = motion == "dynamic" ? s["mass"] : 0.0;

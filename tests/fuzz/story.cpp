@@ -69,7 +69,7 @@ std::vector<KindInfo> sceneKinds() {
         number("mass", 1, kMass), place("position"), rotation("rotation"), vector("velocity", kSpeed),
         axial("spin", kSpin), number("friction", 0.5), number("restitution"), number("rolling"),
         number("group"), number("mask", -1), number("ccd"), number("no-response"), number("no-sleep"),
-        number("damping")}},
+        number("damping"), number("margin", -1, kLength)}},
       {"soft",
        {choice("network", kNetworks),
         number("system"),
