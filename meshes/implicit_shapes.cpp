@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "implicit_shapes.h"
 
+#include "triangle_soup.h"
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Light bodies between far heavier ones.
 #include "support/bullet_world.h"
+#include "support/small_meshes.h"
 
 #include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
@@ -62,6 +63,82 @@ TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
     // The present value is 0.46: the sweeps end before they have converged for a mass ratio of 20 000 : 1.
     EXPECT_GT(lowest, 0.4 * kClothRadius) << "at the hit, " << mass;
   }
+}
+
+constexpr double kCubeSize = 0.3, kHalfBox = 0.09, kCubeRadius = 0.0015;
+
+/// Adds a cube of 98 points, 1 kg and 1000 N/m, just above the floor.
+SoftBody* addBracedCube(SoftBodySystem& system) {
+  SoftBodySettings s;
+  s.scale = Eigen::Vector3d::Constant(kCubeSize);
+  s.position = {0, 0.505 * kCubeSize, 0};
+  s.pointRadius = kCubeRadius;
+  return *system.createBody(*buildNetwork(small_meshes::cube(4)), s);
+}
+
+btRigidBody* addBoxAbove(BulletWorld& bullet, double mass) {
+  bullet.addBoxFloor();
+  btRigidBody* box =
+      bullet.addBox(vec(kHalfBox, kHalfBox, kHalfBox), mass, vec(0, 1.01 * kCubeSize + kHalfBox + 0.01, 0));
+  box->setFriction(1);
+  return box;
+}
+
+/// Returns the depth (m) of the deepest point of the surface's middle in the box.
+double depthIn(const btRigidBody& box, const SoftBody& body) {
+  const btTransform& pose = box.getWorldTransform();
+  const auto local = [&](std::uint32_t i) {
+    const Eigen::Vector3d x = body.position(i);
+    const btVector3 p = pose.invXform(vec(x.x(), x.y(), x.z()));
+    return Eigen::Vector3d(double(p.x()), double(p.y()), double(p.z()));
+  };
+  constexpr int kSteps = 6;
+  double deepest = -1.0;
+  for (const Triangle& t : body.network().surface) {
+    const Eigen::Vector3d a = local(t[0]), b = local(t[1]), c = local(t[2]);
+    for (int i = 0; i <= kSteps; ++i)
+      for (int j = 0; i + j <= kSteps; ++j) {
+        const Eigen::Vector3d x = a + (i * (b - a) + j * (c - a)) / kSteps;
+        deepest = std::max(deepest, kHalfBox - x.cwiseAbs().maxCoeff());
+      }
+  }
+  return deepest;
+}
+
+// Under these loads the surface folds about the edges of the box. A point that slides off the face, and an
+// edge that bends from convex to concave, are pressed by their springs with some hundred times their weight.
+
+TEST(SurfaceMassRatio, aHeavyBoxSinksIntoNoBracedCube) {
+  for (const double mass : {20.0, 25.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    const btRigidBody* box = addBoxAbove(bullet, mass);
+    const SoftBody* cube = addBracedCube(system);
+    double deepest = -1.0;
+    for (int i = 0; i < 60; ++i) {
+      bullet.tick();
+      deepest = std::max(deepest, depthIn(*box, *cube));
+    }
+    // the radius is still between them
+    EXPECT_LT(deepest, 0.0) << mass;
+  }
+}
+
+TEST(SurfaceMassRatio, aKinematicBoxSinksIntoNoBracedCube) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* box = addBoxAbove(bullet, 0.0);
+  box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  box->setActivationState(DISABLE_DEACTIVATION);
+  const SoftBody* cube = addBracedCube(system);
+  const double start = double(box->getWorldTransform().getOrigin().y()), speed = 0.06, depth = 0.095;
+  double deepest = -1.0;
+  for (int i = 1; i <= 140; ++i) {
+    box->getWorldTransform().setOrigin(vec(0, start - std::min(speed * i / 60.0, depth), 0));
+    bullet.tick();
+    deepest = std::max(deepest, depthIn(*box, *cube));
+  }
+  EXPECT_LT(deepest, 0.0);
 }
 
 }  // namespace

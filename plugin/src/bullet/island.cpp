@@ -197,7 +197,8 @@ void appendCandidates(const TickContacts& found, const IslandNodes& nodes, Islan
     IslandPair candidate;
     candidate.surfaces = &m;
     candidate.a = solverIndexOf(*m.body);
-    candidate.displacement = displacementOf(m);
+    candidate.displacement = displacementOf(m, found.tick);
+    candidate.releases = releasesOf(m);
     if (m.other)
       candidate.b = solverIndexOf(*m.other);
     else if (!m.held)

@@ -232,6 +232,7 @@ void forgetCaches(SoftBodyData& body) {
   body.implicit.reset();
   body.volumes.kept.value = 0.0;
   body.surface.sweptBounds.tick = 0.0;
+  body.surface.release = 0.0;
   body.sumsValid = false;
   body.frequencyStale = true;
   *body.groupsStale = true;

@@ -122,7 +122,7 @@ double shareOf(const IslandPair& m, const SurfaceMotion& motion, double time, do
   const double speed = motion.mean.norm() + motion.spread;
   const double added = (motion.mean - m.known.mean).norm() + std::max(0.0, motion.spread - m.known.spread);
   return searchesFor(tick * speed / featureSizeOf(*m.surfaces)) * time / tick +
-         added * time / radiusSumOf(*m.surfaces);
+         added * time / radiusSumOf(*m.surfaces) + m.releases * time;
 }
 
 /// Sets the periods of the pairs that would move too far until the next round, `ahead` s from now, and 0 for

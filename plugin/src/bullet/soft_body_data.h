@@ -161,6 +161,7 @@ struct SurfaceData {
   SurfaceBoxes boxes;
   MovingSurface moving;                ///< a view of the above
   double impact = 0.0;                 ///< m in the tick, into static and kinematic objects that stop it
+  double release = 0.0;                ///< m/s^2, the largest with which springs push a point into a contact
   Eigen::AlignedBox3d motions;         ///< m in the tick, see addStoppedPairs(); empty before
   bool motionValid = false;            ///< `motion` and `impact` are those of this tick
   bool boxesValid = false;             ///< `boxes` are those of this tick

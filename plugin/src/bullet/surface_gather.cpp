@@ -384,14 +384,20 @@ double featureSizeOf(const SurfaceCandidate& m) {
 
 double radiusSumOf(const SurfaceCandidate& m) { return m.body->surface.moving.radius + surfaceB(m).radius; }
 
-double displacementOf(const SurfaceCandidate& m) {
+double releasesOf(const SurfaceCandidate& m) {
+  if (m.other || m.part->moving.topology->edges.empty()) return 0.0;
+  return std::sqrt(0.5 * m.body->surface.release / radiusSumOf(m));
+}
+
+double displacementOf(const SurfaceCandidate& m, double tick) {
   const double features = featureSizeOf(m), radii = radiusSumOf(m);
-  return ownDisplacement(m) / features + m.stopped / std::min(features, radii / kMaxBetweenSearches);
+  return ownDisplacement(m) / features + m.stopped / std::min(features, radii / kMaxBetweenSearches) +
+         kMaxBetweenSearches * tick * releasesOf(m);
 }
 
 bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   if (!areSearchedWithinTick(m)) return false;
-  if (!(displacementOf(m) > kMaxBetweenSearches)) return false;
+  if (!(displacementOf(m, tick) > kMaxBetweenSearches)) return false;
   const MovingSurface& a = boxedSurface(*m.body, tick);
   if (m.other) boxedSurface(*m.other, tick);
   // overlaps of the radii alone are found in the next tick

@@ -101,8 +101,14 @@ constexpr double kMaxBetweenSearches = 0.05;
 /// Returns the largest relative displacement of the surfaces in the tick, as a multiple of the size of their
 /// features. It includes the predicted motion and the motion that hits stop. Of the motion that hits
 /// of other bodies stop, the sum of both radii counts as kMaxBetweenSearches if it is smaller: the surfaces
-/// must be found before they are through one another.
-double displacementOf(const SurfaceCandidate& candidate);
+/// must be found before they are through one another. So does the motion until a point that is set free would
+/// have moved by that sum, see releasesOf().
+double displacementOf(const SurfaceCandidate& candidate, double tick);
+
+/// Returns how many times a second (1/s) a point would move by the sum of the radii if the contact that holds
+/// it against its springs ended. As a point slides over an edge, other contacts must be found before the
+/// springs throw it through. 0 if side b has no sharp edges: a soft body yields, a ball is round.
+double releasesOf(const SurfaceCandidate& candidate);
 
 /// Returns the size (m) of the smaller features of the two surfaces, and the sum (m) of their radii.
 double featureSizeOf(const SurfaceCandidate& candidate);

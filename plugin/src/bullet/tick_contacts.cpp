@@ -243,19 +243,40 @@ void warmStart(const SoftBodyData& body, std::size_t index, Contact& contact) {
     contact.positionImpulse = *impulse;
 }
 
+namespace {
+
+/// Notes the acceleration (m/s^2) of points if a contact that exerted `impulse` (N s) on them ended.
+void noteRelease(SoftBodyData& body, std::uint32_t point, double impulse, double tick) {
+  const double w = body.state.inverseMass.col(point).maxCoeff();
+  body.surface.release = std::max(body.surface.release, w * impulse / tick);
+}
+
+void noteReleases(const TickContacts& contacts, const Contact& c, const ContactSource& source) {
+  for (const auto& [point, body] : {std::pair(&c.a, source.body), std::pair(&c.b, source.other)})
+    for (std::uint32_t i = 0; body && point->kind == ContactPoint::Kind::Soft && i < point->count; ++i)
+      noteRelease(*body, point->point[i], point->weight[i] * c.impulse.along, contacts.tick);
+}
+
+}  // namespace
+
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
   for (SoftBodyData* body : bodies) {
     body->storedImpulses.clear();
+    body->surface.release = 0.0;
     for (std::size_t i = 0; i < body->contacts.size(); ++i) {
       const PlaneContact& row = body->contacts[i];
-      if (!row.coupled || !(row.impulse.along > 0.0)) continue;
+      if (!(row.impulse.along > 0.0)) continue;
+      noteRelease(*body, row.point, row.impulse.along, contacts.tick);
+      if (!row.coupled) continue;
       if (const ObjectHandle* partner = partnerHandle(*body, i))
         store(*body, *partner, planeKey(*body, i), row);
     }
   }
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i)
-    if (const ContactSource& source = contacts.sources[i]; source.body)
+    if (const ContactSource& source = contacts.sources[i]; source.body) {
       store(*source.body, source.partner, source.key, contacts.contacts[i]);
+      noteReleases(contacts, contacts.contacts[i], source);
+    }
   for (SoftBodyData* body : bodies) sortImpulses(body->storedImpulses);
 }
 

@@ -391,36 +391,61 @@ bool isSheetEdge(const SurfaceTopology& t, std::uint32_t edge) {
   return !hasInside(first) && !hasInside(second);
 }
 
-ConeTolerance crossingTolerance(std::uint32_t ea, std::uint32_t eb, const ContactSearch& search) {
+/// Whether `outward` points away from the solid behind the triangles of the edge.
+bool pointsOut(const MovingSurface& surface, double time, std::uint32_t edge, const Vector3d& outward) {
+  double sum = 0.0;
+  for (const std::uint32_t i : surface.topology->edgeTriangles[edge])
+    if (i != kNoFeature) sum += outward.dot(normalAt(surface, time, i));
+  return sum > 0.0;
+}
+
+/// Two edges that cross, at a time of the tick.
+struct Crossing {
+  const SurfacePair& pair;
+  std::uint32_t ea, eb;
+  double time;
+  ConeTolerance tolerance;
+  bool bears;  ///< whether their contact bore a load in the last tick
+
+  /// Whether the edges can touch with the normal `fromB` from b to a: both are convex, or one is convex and
+  /// the other bears a load. An edge under load that bends from convex to concave would otherwise be set
+  /// free, and jump through the other by its springs before it is convex again. With `sheetsToo` also if one
+  /// is convex and the other is any edge of a sheet.
+  bool mayTouch(const Vector3d& fromB, bool sheetsToo) const {
+    const auto isConvex = [&](const MovingSurface& s, std::uint32_t edge, const Vector3d& outward) {
+      return isInNormalCone(s, time, edge, outward, tolerance);
+    };
+    const auto mayBeConcave = [&](const MovingSurface& s, std::uint32_t edge, const Vector3d& outward) {
+      return isSheetEdge(*s.topology, edge) ? sheetsToo : bears && pointsOut(s, time, edge, outward);
+    };
+    const bool isConvexA = isConvex(pair.a, ea, -fromB), isConvexB = isConvex(pair.b, eb, fromB);
+    return isConvexA ? isConvexB || mayBeConcave(pair.b, eb, fromB)
+                     : isConvexB && mayBeConcave(pair.a, ea, -fromB);
+  }
+};
+
+Crossing crossingOf(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
+                    const ContactSearch& search) {
   const std::vector<std::uint64_t>& bearing = search.bearing;
   const bool bears = std::binary_search(bearing.begin(), bearing.end(), keyOf(kEdgeEdge, ea, eb));
-  return {kCrossingTolerance, bears};
+  return {pair, ea, eb, time, {kCrossingTolerance, bears}, bears};
 }
 
-/// Whether the crossing edges can touch from outside: both are convex, or one is convex and the other is any
-/// edge of a sheet. `normal` is the direction from b to a.
+/// Whether the crossing edges can touch from outside. `normal` is the direction from b to a.
 ///
-/// Reason for the second case: a convex edge that pushes a sheet back at one edge bends it, and the sheet's
-/// next edge becomes the nearest one in the same tick. If only convex edges of the sheet counted, the two
-/// would fall and be pushed back in turn. Flat edges count too where a triangle beside the convex edge
+/// Edges of sheets need not be convex: a convex edge that pushes a sheet back at one edge bends it, and the
+/// sheet's next edge becomes the nearest one in the same tick. If only convex edges of the sheet counted, the
+/// two would fall and be pushed back in turn. Flat edges count too where a triangle beside the convex edge
 /// supports the sheet: otherwise it would not come to rest there.
-bool areInFront(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
-                const Vector3d& normal, const ConeTolerance& tolerance) {
-  const bool isConvexA = isInNormalCone(pair.a, time, ea, -normal, tolerance);
-  const bool isConvexB = isInNormalCone(pair.b, time, eb, normal, tolerance);
-  return isConvexA ? isConvexB || isSheetEdge(*pair.b.topology, eb)
-                   : isConvexB && isSheetEdge(*pair.a.topology, ea);
-}
+bool areInFront(const Crossing& crossing, const Vector3d& normal) { return crossing.mayTouch(normal, true); }
 
 /// Whether the crossing edges have passed through each other.
-bool havePassedThrough(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb,
-                       const NearestPoints<2, 2>& nearest, const Vector3d& normal,
-                       const ConeTolerance& tolerance) {
-  if (pair.self || nearest.time > 0.0) return false;
+bool havePassedThrough(const Crossing& crossing, const NearestPoints<2, 2>& nearest, const Vector3d& normal) {
+  const auto& [pair, ea, eb, time, tolerance, bears] = crossing;
+  if (pair.self || time > 0.0) return false;
   if (nearest.distance > std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb)))
     return false;
-  if (!isInNormalCone(pair.a, 0.0, ea, normal, tolerance)) return false;
-  if (!isInNormalCone(pair.b, 0.0, eb, -normal, tolerance)) return false;
+  if (!crossing.mayTouch(-normal, false)) return false;
   return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * nearest.a,
                   nearest.distance) ||
          isInside(pair.a, featureOf<2>(pair.b, pair.b.topology->edges[eb]).start * nearest.b,
@@ -478,9 +503,9 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
-  const ConeTolerance tolerance = crossingTolerance(ea, eb, search);
-  const bool apart = areInFront(pair, ea, eb, nearest.time, normal, tolerance);
-  if (!apart && !havePassedThrough(pair, ea, eb, nearest, normal, tolerance)) return;
+  const Crossing crossing = crossingOf(pair, ea, eb, nearest.time, search);
+  const bool apart = areInFront(crossing, normal);
+  if (!apart && !havePassedThrough(crossing, nearest, normal)) return;
   addCandidate(pair, false, kEdgeEdge,
                {onEdge(*pair.a.topology, ea, nearest.a), onEdge(*pair.b.topology, eb, nearest.b),
                 apart ? normal : Vector3d(-normal), 0.0, nearest.time},
