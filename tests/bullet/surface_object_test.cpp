@@ -154,6 +154,24 @@ TEST(SurfaceObjects, forcesActForAllTicksOfAStep) {
   }
 }
 
+/// Of frames at 144 Hz more than half have no tick. Bullet clears the forces of each frame.
+TEST(SurfaceObjects, forcesOfFramesWithoutATickAreLost) {
+  Twins t;
+  for (int frame = 0; frame < 144; ++frame) {
+    for (btRigidBody* body : {t.object, t.twin}) {
+      body->applyCentralForce(vec(6, 0, 1));
+      body->applyTorque(vec(0, 0.2, 0));
+    }
+    for (BulletWorld* w : {&t.world, &t.twinWorld})
+      w->world->stepSimulation(btScalar(1.0 / 144.0), 10, btScalar(kTick));
+    // the system learns of forces in the first tick with one
+    if (frame < 5) t.object->clearForces();
+  }
+  EXPECT_GT(momentumOf(*t.twin).x(), 4.0);
+  EXPECT_LT((t.soft->linearMomentum() - momentumOf(*t.twin)).norm(), 1e-4);
+  EXPECT_NEAR(t.soft->angularMomentum().y(), angularMomentumOf(*t.twin).y(), 1e-3);
+}
+
 TEST(SurfaceObjects, velocitiesAreTakenOver) {
   Twins t;
   for (btRigidBody* body : {t.object, t.twin}) {

@@ -205,6 +205,9 @@ bool isObjectChanged(const SoftBodyData& body);
 /// `drift` (s).
 void readObject(SoftBodyData& body, double drift = 0.0);
 
+/// Takes the forces on the object, which Bullet does not clear at the end of a stepSimulation().
+void takeObjectForces(SoftBodyData& body);
+
 /// Adds the forces on the object, which act in all ticks of a stepSimulation(), to the points' accelerations,
 /// at the start of a tick.
 void accelerateByObject(SoftBodyData& body);

@@ -271,21 +271,25 @@ void readObject(SoftBodyData& body, double drift) {
   if (body.asleep) object.activate(true);
 }
 
-void accelerateByObject(SoftBodyData& body) {
+void takeObjectForces(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   btRigidBody& object = *s.object;
-  if (!object.getTotalForce().isZero() || !object.getTotalTorque().isZero()) {
-    if (isFinite(object.getTotalForce()) && isFinite(object.getTotalTorque())) {
-      s.objectForce += toEigen(object.getTotalForce());
-      s.objectTorque += toEigen(object.getTotalTorque());
-    } else {
-      body.restored = true;
-    }
-    object.clearForces();
-    // the system must detect the end of the step
-    if (!s.pushed) watchSteps(body);
-    s.pushed = true;
+  if (object.getTotalForce().isZero() && object.getTotalTorque().isZero()) return;
+  if (isFinite(object.getTotalForce()) && isFinite(object.getTotalTorque())) {
+    s.objectForce += toEigen(object.getTotalForce());
+    s.objectTorque += toEigen(object.getTotalTorque());
+  } else {
+    body.restored = true;
   }
+  object.clearForces();
+  // the system must detect the end of the step
+  if (!s.pushed) watchSteps(body);
+  s.pushed = true;
+}
+
+void accelerateByObject(SoftBodyData& body) {
+  SurfaceData& s = body.surface;
+  takeObjectForces(body);
   if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;
   s.sweptBounds.tick = 0.0;
   const RigidFit fit = fitRigid(body);

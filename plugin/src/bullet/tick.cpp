@@ -377,6 +377,7 @@ void SoftBodySystem::Impl::collectAppliedForces() {
   for (auto& body : bodies) {
     if (!isSurfaceBody(*body->data_)) continue;
     takeForces(*body->data_);
+    if (body->data_->surface.object) takeObjectForces(*body->data_);
     if (body->data_->masses.exposed) collectForces(*body->data_);
   }
 }
