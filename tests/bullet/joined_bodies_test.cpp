@@ -341,6 +341,9 @@ TEST(Anchors, theirForcesAreThoseOfTheLoad) {
   EXPECT_NEAR(lower, -20.0, 0.05);
   EXPECT_EQ(hanging.rope->anchorForce(2).length(), btScalar(0));
   EXPECT_TRUE(hanging.rope->attached(0));
+  hanging.bullet.world->removeRigidBody(hanging.load);
+  hanging.bullet.tick();
+  EXPECT_EQ(hanging.rope->anchorForce(5).length(), btScalar(0)) << "its body is in no world";
   EXPECT_FALSE(hanging.rope->attached(1));
   EXPECT_FALSE(hanging.rope->attached(99));
 }

@@ -209,10 +209,12 @@ std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodi
     if (springNode[i] != kNoNode) addSpring(groups[nodes.root(springNode[i])], springs[i]);
   for (SoftBodyData* body : bodies) {
     LinkedGroup& group = groups[nodes.root(nodes.soft(body))];
-    for (const Anchor& anchor : body->anchors)
+    for (Anchor& anchor : body->anchors)
       if (usable(anchor))
         group.step.links.anchors.push_back(
             {pointEnd(group, body, anchor.point), rigidEnd(group, anchor.body, anchor.pivot)});
+      else
+        anchor.force = btVector3(0, 0, 0);
   }
 
   std::vector<LinkedGroup> ordered;
