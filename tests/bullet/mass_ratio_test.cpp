@@ -131,7 +131,7 @@ TEST(SurfaceMassRatio, aKinematicBoxSinksIntoNoBracedCube) {
   box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
   box->setActivationState(DISABLE_DEACTIVATION);
   const SoftBody* cube = addBracedCube(system);
-  const double start = double(box->getWorldTransform().getOrigin().y()), speed = 0.06, depth = 0.095;
+  const double start = double(box->getWorldTransform().getOrigin().y()), speed = 0.06, depth = 0.11;
   double deepest = -1.0;
   for (int i = 1; i <= 140; ++i) {
     box->getWorldTransform().setOrigin(vec(0, start - std::min(speed * i / 60.0, depth), 0));

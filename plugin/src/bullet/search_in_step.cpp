@@ -31,16 +31,28 @@ void collectOldContacts(Island& island, std::uint32_t number, const TickContacts
   for (const auto& [key, i] : island.oldContacts) island.step.pairs.contacts[i].ended = true;
 }
 
-void storeContact(Island& island, std::uint32_t candidate, const Contact& contact,
-                  const ContactSource& source) {
+/// Returns the old contact with this key, or nullptr.
+Contact* oldContact(Island& island, std::uint64_t key) {
   const auto it = std::lower_bound(island.oldContacts.begin(), island.oldContacts.end(),
-                                   std::pair(source.key, std::uint32_t{0}));
-  if (it == island.oldContacts.end() || it->first != source.key) {
-    island.late.push_back({candidate, source});
-    island.step.pairs.contacts.push_back(contact);
-    return;
+                                   std::pair(key, std::uint32_t{0}));
+  const bool found = it != island.oldContacts.end() && it->first == key;
+  return found ? &island.step.pairs.contacts[it->second] : nullptr;
+}
+
+/// Returns an ended contact of the same points in the same direction, or nullptr: one that has moved from one
+/// triangle of a face to the next.
+Contact* endedContact(Island& island, const Contact& contact) {
+  for (const auto& [key, i] : island.oldContacts) {
+    Contact& old = island.step.pairs.contacts[i];
+    if (old.ended && old.a.count == contact.a.count && old.a.point == contact.a.point &&
+        old.normal.dot(contact.normal) > kSameSurface)
+      return &old;
   }
-  Contact& stored = island.step.pairs.contacts[it->second];
+  return nullptr;
+}
+
+/// Replaces a contact by the same at a later time.
+void renew(Contact& stored, const Contact& contact) {
   const ContactImpulse positionImpulse = stored.positionImpulse, velocityImpulse = stored.velocityImpulse;
   const TickImpulse impulse = stored.impulse;
   stored = contact;
@@ -52,11 +64,24 @@ void storeContact(Island& island, std::uint32_t candidate, const Contact& contac
 void storeFound(Island& island, std::uint32_t number, const TickContacts& found, ContactsInStep& inStep) {
   const IslandPair& m = island.candidates[number];
   collectOldContacts(island, number, found);
-  for (std::size_t i = 0; i < inStep.contacts.size(); ++i) {
+  std::vector<std::uint32_t>& newOnes = inStep.newOnes;
+  newOnes.clear();
+  for (std::uint32_t i = 0; i < inStep.contacts.size(); ++i) {
     Contact& contact = inStep.contacts[i];
     contact.a.body = m.a;
     contact.b.body = m.b;
-    storeContact(island, number, contact, inStep.sources[i]);
+    if (Contact* old = oldContact(island, inStep.sources[i].key))
+      renew(*old, contact);
+    else
+      newOnes.push_back(i);
+  }
+  for (const std::uint32_t i : newOnes) {
+    if (Contact* old = endedContact(island, inStep.contacts[i])) {
+      renew(*old, inStep.contacts[i]);
+      continue;
+    }
+    island.late.push_back({number, inStep.sources[i]});
+    island.step.pairs.contacts.push_back(inStep.contacts[i]);
   }
 }
 
@@ -224,12 +249,14 @@ void searchInStep(void* context, SolverIsland& group, Team& team, double since, 
 struct MaxDisplacements {
   double all = 0.0;
   double ofContacts = 0.0;  ///< of candidates with contacts: the others do not affect the substeps
+  double releases = 0.0;    ///< 1/s, see releasesOf()
 };
 
 MaxDisplacements maxDisplacements(const Island& island) {
   MaxDisplacements largest;
   for (const IslandPair& m : island.candidates) {
     largest.all = std::max(largest.all, m.displacement);
+    largest.releases = std::max(largest.releases, m.releases);
     if (m.surfaces->end > m.surfaces->first)
       largest.ofContacts = std::max(largest.ofContacts, m.displacement);
   }
@@ -237,8 +264,9 @@ MaxDisplacements maxDisplacements(const Island& island) {
 }
 
 /// Returns at most the maximum of any group.
-int substepsFor(const Island& island, double displacement) {
-  int substeps = static_cast<int>(std::ceil(std::min(displacement / kMaxInSubstep, kManySubsteps)));
+int substepsFor(const Island& island, const MaxDisplacements& displacement, double tick) {
+  const double wanted = std::max(displacement.ofContacts / kMaxInSubstep, tick * displacement.releases);
+  int substeps = static_cast<int>(std::ceil(std::min(wanted, kManySubsteps)));
   for (const LinkedGroup* group : island.groups)
     if (group->stepping.maxSubsteps > 0) substeps = std::min(substeps, group->stepping.maxSubsteps);
   return substeps;
@@ -267,7 +295,7 @@ int planSearches(SearchContext& context, int substeps) {
   const MaxDisplacements displacement = maxDisplacements(island);
   if (!(displacement.all > kMaxBetweenSearches)) return substeps;
   if (displacement.ofContacts > kMaxBetweenSearches)
-    substeps = std::max(substeps, substepsFor(island, displacement.ofContacts));
+    substeps = std::max(substeps, substepsFor(island, displacement, context.found->tick));
   const int every = std::max(1, static_cast<int>(substeps / searchesFor(displacement.all)));
   island.step.again = {every, &context, searchInStep};
   const double tick = context.found->tick;

@@ -384,15 +384,20 @@ double featureSizeOf(const SurfaceCandidate& m) {
 
 double radiusSumOf(const SurfaceCandidate& m) { return m.body->surface.moving.radius + surfaceB(m).radius; }
 
-double releasesOf(const SurfaceCandidate& m) {
-  if (m.other || m.part->moving.topology->edges.empty()) return 0.0;
-  return std::sqrt(0.5 * m.body->surface.release / radiusSumOf(m));
+double releasesOf(const SurfaceCandidate& m, double tick) {
+  if (m.other || m.first == m.end || m.part->moving.topology->edges.empty()) return 0.0;
+  // overlaps of the radii alone are found in the next tick
+  const double perSecond = std::sqrt(0.5 * m.body->surface.release / radiusSumOf(m));
+  if (!(tick * perSecond > 1.0)) return 0.0;
+  // the point passes round an edge in this many substeps
+  constexpr double kResolved = 3.0;
+  return kResolved * perSecond;
 }
 
 double displacementOf(const SurfaceCandidate& m, double tick) {
   const double features = featureSizeOf(m), radii = radiusSumOf(m);
   return ownDisplacement(m) / features + m.stopped / std::min(features, radii / kMaxBetweenSearches) +
-         kMaxBetweenSearches * tick * releasesOf(m);
+         kMaxBetweenSearches * tick * releasesOf(m, tick);
 }
 
 bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {

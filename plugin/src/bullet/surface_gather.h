@@ -46,6 +46,7 @@ struct SurfaceSearch {
 struct ContactsInStep {
   std::vector<Contact> contacts;
   std::vector<ContactSource> sources;  ///< #contacts
+  std::vector<std::uint32_t> newOnes;  ///< scratch: of those that no earlier search has found
 };
 
 /// Adds each body to the partners of its soft partners, and drops those that are too far away. Only one of
@@ -105,10 +106,11 @@ constexpr double kMaxBetweenSearches = 0.05;
 /// have moved by that sum, see releasesOf().
 double displacementOf(const SurfaceCandidate& candidate, double tick);
 
-/// Returns how many times a second (1/s) a point would move by the sum of the radii if the contact that holds
-/// it against its springs ended. As a point slides over an edge, other contacts must be found before the
-/// springs throw it through. 0 if side b has no sharp edges: a soft body yields, a ball is round.
-double releasesOf(const SurfaceCandidate& candidate);
+/// Returns how many searches per second (1/s) find a point before it moves by the sum of the radii, if the
+/// contact that holds it against its springs ends: as it slides over an edge, other contacts must be found
+/// before the springs throw it through. 0 if it moves less in the tick, if no edges touch yet, or if side b
+/// has no sharp ones: a soft body yields, a ball is round.
+double releasesOf(const SurfaceCandidate& candidate, double tick);
 
 /// Returns the size (m) of the smaller features of the two surfaces, and the sum (m) of their radii.
 double featureSizeOf(const SurfaceCandidate& candidate);

@@ -424,11 +424,9 @@ struct Crossing {
   }
 };
 
-Crossing crossingOf(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, double time,
-                    const ContactSearch& search) {
-  const std::vector<std::uint64_t>& bearing = search.bearing;
-  const bool bears = std::binary_search(bearing.begin(), bearing.end(), keyOf(kEdgeEdge, ea, eb));
-  return {pair, ea, eb, time, {kCrossingTolerance, bears}, bears};
+/// m, the largest distance of edges that have passed through each other.
+double passLimit(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb) {
+  return std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb));
 }
 
 /// Whether the crossing edges can touch from outside. `normal` is the direction from b to a.
@@ -442,9 +440,7 @@ bool areInFront(const Crossing& crossing, const Vector3d& normal) { return cross
 /// Whether the crossing edges have passed through each other.
 bool havePassedThrough(const Crossing& crossing, const NearestPoints<2, 2>& nearest, const Vector3d& normal) {
   const auto& [pair, ea, eb, time, tolerance, bears] = crossing;
-  if (pair.self || time > 0.0) return false;
-  if (nearest.distance > std::min(depthLimit(*pair.a.topology, ea), depthLimit(*pair.b.topology, eb)))
-    return false;
+  if (pair.self || time > 0.0 || nearest.distance > passLimit(pair, ea, eb)) return false;
   if (!crossing.mayTouch(-normal, false)) return false;
   return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * nearest.a,
                   nearest.distance) ||
@@ -496,14 +492,18 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
   const Vector3d startA = edgeVector(a, 0.0), startB = edgeVector(b, 0.0);
   if (areParallel(startA, startB)) return;
-  if (stayApart(a, b, startA.cross(startB), pair.radiusSum() + pair.margin)) return;
-  const auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
+  const std::vector<std::uint64_t>& bearing = search.bearing;
+  const bool bears = std::binary_search(bearing.begin(), bearing.end(), keyOf(kEdgeEdge, ea, eb));
+  // under load the edges may be through each other by more than their radii
+  const double reach = bears ? std::max(pair.radiusSum(), passLimit(pair, ea, eb)) : pair.radiusSum();
+  if (stayApart(a, b, startA.cross(startB), reach + pair.margin)) return;
+  const auto nearest = findFeatureContact(a, b, reach, pair.margin);
   if (nearest.time == kNever || nearest.a.minCoeff() <= 0.0 || nearest.b.minCoeff() <= 0.0) return;
   const Vector3d alongA = edgeVector(a, nearest.time), alongB = edgeVector(b, nearest.time);
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
-  const Crossing crossing = crossingOf(pair, ea, eb, nearest.time, search);
+  const Crossing crossing{pair, ea, eb, nearest.time, {kCrossingTolerance, bears}, bears};
   const bool apart = areInFront(crossing, normal);
   if (!apart && !havePassedThrough(crossing, nearest, normal)) return;
   addCandidate(pair, false, kEdgeEdge,
