@@ -5,6 +5,7 @@
 
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
+#include "bullet/point_contacts.h"
 
 #include <algorithm>
 #include <cmath>
