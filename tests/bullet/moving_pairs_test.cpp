@@ -455,6 +455,36 @@ std::pair<double, Vector3d> leftAfterHit(double rate) {
   return {soft->kineticEnergy() + soft->elasticEnergy() + 0.5 * velocity.squaredNorm(), velocity};
 }
 
+/// Both fall by g dt^2 in the first tick, 44 mm at 1/15 s, until the floor stops the cube in it.
+TEST(FastPairs, aBoxReleasedJustAboveACubeOnTheFloorIsStoppedInTheSameTick) {
+  if (!test::kSurface) GTEST_SKIP() << "the points of the face leave gaps for the box";
+  for (const double size : {0.02, 0.3})
+    for (const double hertz : {15.0, 30.0}) {
+      SCOPED_TRACE(testing::Message() << size << " m, " << hertz << " Hz");
+      BulletWorld bullet;
+      bullet.addBoxFloor();
+      SoftBodySystem system(*bullet.world);
+      SoftBodySettings s = test::testedSettings();
+      s.scale = Vector3d::Constant(size);
+      s.totalMass = 1e3 * size * size * size;
+      // each layer of springs sags by about a per cent
+      s.extensionStiffness = s.compressionStiffness = 1e3 * s.totalMass / size;
+      s.damping = 0.1 * std::sqrt(s.totalMass * s.extensionStiffness);
+      const SharedNetwork network = *buildNetwork(small_meshes::cube(2));
+      const double radius = pointRadius(*network, s), top = size + 2 * radius, half = 0.3 * size;
+      s.position.y() = 0.5 * top;
+      (void)*system.createBody(network, s);
+      btRigidBody* box = bullet.addBox(vec(half, half, half), s.totalMass, vec(0, top + half + 5e-4, 0));
+      box->setActivationState(DISABLE_DEACTIVATION);
+      double deepest = 0.0;
+      for (int i = 0; i < hertz; ++i) {
+        bullet.tick(1.0 / hertz);
+        deepest = std::max(deepest, top + half - double(box->getWorldTransform().getOrigin().y()));
+      }
+      EXPECT_LT(deepest, 0.03 * size);
+    }
+}
+
 TEST(FastPairs, whatAHitLeavesDoesNotDependOnTheTick) {
   if (!test::kSurface) GTEST_SKIP() << "points alone pass by";
   const auto [energy, velocity] = leftAfterHit(960);

@@ -70,7 +70,10 @@ class Motions {
     const auto index = static_cast<std::size_t>(body.getWorldArrayIndex());
     if (index >= numbers_.size()) numbers_.resize(index + 1);
     numbers_[index] = static_cast<std::uint32_t>(rigids_.size());
-    rigids_.push_back({&body, AlignedBox3d(Vector3d(tick_ * toEigen(body.getLinearVelocity())))});
+    // what it stands on may be unknown in its first tick
+    const Vector3d coasting = tick_ * toEigen(body.getLinearVelocity()),
+                   fall = tick_ * tick_ * toEigen(body.getTotalForce() * body.getInvMass());
+    rigids_.push_back({&body, AlignedBox3d(coasting).extend(Vector3d(coasting + fall))});
   }
 
   RigidMotions* find(const btCollisionObject& object) {
