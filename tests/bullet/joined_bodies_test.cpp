@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Springs that break, welds, skeletons, and ropes with heavy loads.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -366,6 +367,33 @@ TEST(Anchors, theyBreakUnderMoreThanTheyHold) {
   EXPECT_EQ(breaks.system.attach(breaks.rope, 0, *breaks.hook, -1.0).error(),
             "breakForce must be from 0 to 1e18");
   EXPECT_TRUE(breaks.system.attach(breaks.rope, 0, *breaks.hook, 1.0));
+}
+
+/// A part of the rope lies within the body. Friction there must act on both at the same place.
+TEST(Anchors, aRopeFromTheMiddleOfASpinningBodyTakesNoAngularMomentum) {
+  if (!test::kSurface) GTEST_SKIP() << "points are balls that do not turn when friction acts on them";
+  for (const bool ball : {false, true})
+    for (const double length : {0.2, 1.0}) {
+      SCOPED_TRACE(testing::Message() << (ball ? "ball, " : "box, ") << length << " m");
+      BulletWorld bullet(0.0);
+      SoftBodySystem system(*bullet.world);
+      btRigidBody* body = ball ? bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 1.0, vec(0, 0, 0))
+                               : bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(0, 0, 0));
+      body->setActivationState(DISABLE_DEACTIVATION);
+      body->setAngularVelocity(vec(0, 3, 0));
+      RopeSettings shape;
+      shape.segments = 8;
+      shape.length = length;
+      SoftBodySettings s = test::testedSettings();
+      s.totalMass = 0.1;
+      s.friction = 0.5;
+      SoftBody* rope = *system.createBody(*buildRope(shape), s);
+      ASSERT_TRUE(system.attach(rope, 0, *body));
+      const double spin = test::angularMomentumOf(*body).y();
+      bullet.simulate(5.0);
+      // Bullet's floats
+      EXPECT_NEAR(rope->angularMomentum().y() + test::angularMomentumOf(*body).y(), spin, 1e-3 * spin);
+    }
 }
 
 TEST(Anchors, anEdgeIsAttachedAsAWholeOrNotAtAll) {

@@ -241,8 +241,16 @@ bool counts(const SurfaceCandidate& m, const SurfaceContact& c, SurfaceSearch& s
   return m.partner || isHeldContact(m, c, margin(m), s);
 }
 
+/// Returns the distance (m), along the normal from the point on side b, of the common point of the impulses
+/// on a soft and a rigid body: where the soft side's points are when they touch, or where they are now if
+/// they are deeper than their radius. With two different points friction would leave a couple.
+double commonDistance(const SurfaceCandidate& m, double gap) {
+  const double radius = m.body->surface.moving.radius;
+  return surfaceB(m).radius + radius + std::min(gap + radius, 0.0);
+}
+
 /// Returns the sum of the radii (m) if side b of the contact is a ball about a rigid body's centre of mass,
-/// else 0.
+/// and its common point with the soft body is that far from there, else 0.
 double ballRadius(const SurfaceCandidate& m, const Contact& contact) {
   if (!m.partner || contact.b.kind != ContactPoint::Kind::Rigid) return 0.0;
   const MovingSurface& b = surfaceB(m);
@@ -273,13 +281,11 @@ void addContacts(const SurfaceCandidate& m, const std::vector<SurfaceContact>& c
 }
 
 /// Returns the point on side b at the start of a tick. That on a sleeping body, which is not stepped, is only
-/// reported to users. On a rigid body the common point of both impulses is the position of the soft side's
-/// points when they touch: with two different points a couple would remain.
+/// reported to users.
 ContactPoint pointB(const SurfaceCandidate& m, const SurfaceContact& c, TickContacts& found) {
-  const MovingSurface &soft = m.body->surface.moving, &b = surfaceB(m);
   if (m.partner)
     return rigidContactPoint(found, *m.partner,
-                             toBullet(positionOf(b, c.b) + (b.radius + soft.radius) * c.normal));
+                             toBullet(positionOf(surfaceB(m), c.b) + commonDistance(m, c.gap) * c.normal));
   ContactPoint p = softContactPoint(*m.other, c.b);
   if (m.other->asleep) p.kind = ContactPoint::Kind::World;
   return p;
@@ -445,14 +451,12 @@ void findContactsInStep(const SurfaceCandidate& m, const RigidState* rigid, cons
                         SurfaceSearch& s, ContactsInStep& found) {
   found.contacts.clear();
   found.sources.clear();
-  const MovingSurface& a = m.body->surface.moving;
   findContacts(m, s);
   const auto pointB = [&](const SurfaceContact& c) {
     if (m.other) return softContactPoint(*m.other, c.b);
-    const MovingSurface& b = surfaceB(m);
     ContactPoint p;
     p.kind = ContactPoint::Kind::Rigid;
-    p.arm = positionOf(b, c.b) + (b.radius + a.radius) * c.normal - rigid->position;
+    p.arm = positionOf(surfaceB(m), c.b) + commonDistance(m, c.gap) * c.normal - rigid->position;
     return p;
   };
   addContacts(m, s.contacts, time.ahead, time.tick, s, found.contacts, found.sources, pointB);
