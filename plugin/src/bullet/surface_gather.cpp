@@ -391,7 +391,7 @@ double featureSizeOf(const SurfaceCandidate& m) {
 double radiusSumOf(const SurfaceCandidate& m) { return m.body->surface.moving.radius + surfaceB(m).radius; }
 
 double releasesOf(const SurfaceCandidate& m, double tick) {
-  if (m.other || m.first == m.end || m.part->moving.topology->edges.empty()) return 0.0;
+  if (m.other || m.first == m.end) return 0.0;
   // overlaps of the radii alone are found in the next tick
   const double perSecond = std::sqrt(0.5 * m.body->surface.release / radiusSumOf(m));
   if (!(tick * perSecond > 1.0)) return 0.0;

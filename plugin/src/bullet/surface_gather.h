@@ -109,7 +109,7 @@ double displacementOf(const SurfaceCandidate& candidate, double tick);
 /// Returns how many searches per second (1/s) find a point before it moves by the sum of the radii, if the
 /// contact that holds it against its springs ends: as it slides over an edge, other contacts must be found
 /// before the springs throw it through. 0 if it moves less in the tick, if no edges touch yet, or if side b
-/// has no sharp ones: a soft body yields, a ball is round.
+/// is soft and yields.
 double releasesOf(const SurfaceCandidate& candidate, double tick);
 
 /// Returns the size (m) of the smaller features of the two surfaces, and the sum (m) of their radii.
