@@ -141,5 +141,30 @@ TEST(SurfaceMassRatio, aKinematicBoxSinksIntoNoBracedCube) {
   EXPECT_LT(deepest, 0.0);
 }
 
+TEST(SurfaceMassRatio, aKinematicBallSinksIntoNoBracedCube) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  const SoftBody* cube = addBracedCube(system);
+  const double start = 1.03 * kCubeSize + kHalfBox, speed = 0.06;
+  btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(kHalfBox)), 0.0, vec(0, start, 0));
+  ball->setFriction(1);
+  ball->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  ball->setActivationState(DISABLE_DEACTIVATION);
+  double deepest = -1.0;
+  for (int i = 1; i <= 75; ++i) {
+    const Eigen::Vector3d centre(0, start - speed * i / 60.0, 0);
+    ball->getWorldTransform().setOrigin(vec(0, centre.y(), 0));
+    bullet.tick();
+    for (const Triangle& t : cube->network().surface)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector3d middle = 0.5 * (cube->position(t[k]) + cube->position(t[(k + 1) % 3]));
+        deepest = std::max(deepest, kHalfBox - (middle - centre).norm());
+      }
+  }
+  // the sag of an edge under the ball is 8 mm
+  EXPECT_LT(deepest, 0.001);
+}
+
 }  // namespace
 }  // namespace limber
