@@ -404,7 +404,6 @@ struct Crossing {
   const SurfacePair& pair;
   std::uint32_t ea, eb;
   double time;
-  ConeTolerance tolerance;
   bool bears;  ///< whether their contact bore a load in the last tick
 
   /// Whether the edges can touch with the normal `fromB` from b to a: both are convex, or one is convex and
@@ -413,7 +412,7 @@ struct Crossing {
   /// is convex and the other is any edge of a sheet.
   bool mayTouch(const Vector3d& fromB, bool sheetsToo) const {
     const auto isConvex = [&](const MovingSurface& s, std::uint32_t edge, const Vector3d& outward) {
-      return isInNormalCone(s, time, edge, outward, tolerance);
+      return isInNormalCone(s, time, edge, outward, {kCrossingTolerance, bears});
     };
     const auto mayBeConcave = [&](const MovingSurface& s, std::uint32_t edge, const Vector3d& outward) {
       return isSheetEdge(*s.topology, edge) ? sheetsToo : bears && pointsOut(s, time, edge, outward);
@@ -439,7 +438,7 @@ bool areInFront(const Crossing& crossing, const Vector3d& normal) { return cross
 
 /// Whether the crossing edges have passed through each other.
 bool havePassedThrough(const Crossing& crossing, const NearestPoints<2, 2>& nearest, const Vector3d& normal) {
-  const auto& [pair, ea, eb, time, tolerance, bears] = crossing;
+  const auto& [pair, ea, eb, time, bears] = crossing;
   if (pair.self || time > 0.0 || nearest.distance > passLimit(pair, ea, eb)) return false;
   if (!crossing.mayTouch(-normal, false)) return false;
   return isInside(pair.b, featureOf<2>(pair.a, pair.a.topology->edges[ea]).start * nearest.a,
@@ -503,7 +502,7 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
-  const Crossing crossing{pair, ea, eb, nearest.time, {kCrossingTolerance, bears}, bears};
+  const Crossing crossing{pair, ea, eb, nearest.time, bears};
   const bool apart = areInFront(crossing, normal);
   if (!apart && !havePassedThrough(crossing, nearest, normal)) return;
   addCandidate(pair, false, kEdgeEdge,

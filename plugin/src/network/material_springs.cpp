@@ -231,10 +231,6 @@ double constantOfDetour(const Constants& constants, std::uint32_t a, std::uint32
   return largest;
 }
 
-}  // namespace
-
-namespace {
-
 /// Returns Van Gelder's constants of the edges (N/m for 1 Pa m).
 Constants sheetConstants(const SpringNetwork& network, const std::map<Edge, double>& areas) {
   Constants constants(network.restPoints.size());
