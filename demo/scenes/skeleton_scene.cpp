@@ -185,6 +185,7 @@ std::string addDancer(Scene& scene, const SharedNetwork& network, const SceneOpt
   settings.friction = 0.3;
   settings.flow.linearDrag = 1.0;
   settings.position = dancer.feet;
+  settings.linearVelocity = {0.0, 0.0, Random(options.seed + scene.looks.size()).between(-0.05, 0.05)};
   apply(options, settings);
   BodyLook look;
   look.colour = paletteColour(scene.looks.size());

@@ -17,9 +17,9 @@ namespace {
 
 using test::BulletWorld;
 
-SoftBody* addCube(SoftBodySystem& system) {
+SoftBody* addCube(SoftBodySystem& system, double x = 0.0) {
   SoftBodySettings s = test::testedSettings();
-  s.position = {0, 1, 0};
+  s.position = {x, 1, 0};
   return *system.createBody(test::cubeNetwork(), s);
 }
 
@@ -148,7 +148,7 @@ TEST(Teardown, bodiesComeAndGoWhileTheWorldRuns) {
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
   for (int i = 0; i < 20; ++i) {
-    addCube(system);
+    addCube(system, 0.7 * i);  // partly in the last one
     bullet.tick();
     if (i % 3 == 2) system.destroyBody(system.body(0));
     bullet.tick();

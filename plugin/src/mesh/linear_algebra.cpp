@@ -133,9 +133,21 @@ Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& b) {
   return x;
 }
 
+/// Columns that are solved together: each pass over L serves all of them.
+constexpr Eigen::Index kTogether = 8;
+
 Eigen::MatrixXd solve(const SparseFactor& factor, const Eigen::MatrixXd& b) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, kTogether, Eigen::RowMajor>;
+  Rows ordered = Rows::Zero(b.rows(), kTogether);
   Eigen::MatrixXd x(b.rows(), b.cols());
-  for (Eigen::Index j = 0; j < b.cols(); ++j) x.col(j) = solve(factor, Eigen::VectorXd(b.col(j)));
+  for (Eigen::Index first = 0; first < b.cols(); first += kTogether) {
+    const Eigen::Index count = std::min(kTogether, b.cols() - first);
+    for (Eigen::Index i = 0; i < b.rows(); ++i)
+      ordered.row(factor.place[i]).head(count) = b.row(i).segment(first, count);
+    solveOrdered(factor, ordered);
+    for (Eigen::Index i = 0; i < b.rows(); ++i)
+      x.row(i).segment(first, count) = ordered.row(factor.place[i]).head(count);
+  }
   return x;
 }
 

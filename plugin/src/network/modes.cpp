@@ -116,7 +116,6 @@ constexpr double kDependent = 1e-13;     // norm of the rest of a unit vector th
 constexpr double kRelativeShift = 1e-9;  // of the largest eigenvalue, added so that the inverse exists
 
 using Block = Eigen::Matrix<double, Eigen::Dynamic, kBlock>;
-using RowBlock = Eigen::Matrix<double, Eigen::Dynamic, kBlock, Eigen::RowMajor>;
 
 /// Returns an upper bound of the eigenvalues: the largest sum of a row's magnitudes (Gershgorin).
 double largestRowSum(const SparseMatrix& matrix) {
@@ -153,14 +152,7 @@ class ShiftedInverse {
     factor_ = factorise(shifted);
   }
 
-  Block operator*(const Block& b) const {
-    RowBlock x(b.rows(), kBlock);
-    for (Eigen::Index i = 0; i < b.rows(); ++i) x.row(factor_.place[i]) = b.row(i);
-    solveOrdered(factor_, x);
-    Block result(b.rows(), kBlock);
-    for (Eigen::Index i = 0; i < b.rows(); ++i) result.row(i) = x.row(factor_.place[i]);
-    return result;
-  }
+  Block operator*(const Block& b) const { return solve(factor_, Eigen::MatrixXd(b)); }
 
  private:
   SparseFactor factor_;
