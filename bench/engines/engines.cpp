@@ -55,6 +55,7 @@ void change(SoftBodySettings& settings, const std::string& key, const std::strin
   if (key == "maxSubsteps") stepping.maxSubsteps = static_cast<int>(number);
   if (key == "periodTolerance") stepping.periodTolerance = number;
   if (key == "relativeTolerance") stepping.relativeTolerance = number;
+  if (key == "searchDistance") stepping.searchDistance = number;
   if (key == "collision") settings.collision = value == "points" ? Collision::Points : Collision::Surface;
 }
 
@@ -255,6 +256,8 @@ std::vector<Key> withEngineKeys(std::vector<Key> keys) {
       {"maxSubsteps", "Limber's largest number of substeps, 0: no limit", 0, 10000},
       {"periodTolerance", "Limber's tolerance of the fastest period", 1e-8, 1},
       {"relativeTolerance", "Limber's tolerance of the error, in sizes per second", 0, 1e6},
+      {"searchDistance", "Limber's displacement between searches for contacts, in sizes of triangles", 0.01,
+       0.25},
       {"collision", "Limber's kind of collision", {"surface", "points"}},
       {"iterations", "btSoftBody's iterations", 1, 1000},
       {"hardness", "btSoftBody's hardness of contacts, kKHR", 0, 1},

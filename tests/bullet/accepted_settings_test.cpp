@@ -62,6 +62,7 @@ void rollStepping(Dice& dice, Stepping& s) {
   roll(dice, s.tolerance, 0, 1e6, 1e-9);
   roll(dice, s.relativeTolerance, 0, 1e6, 1e-9);
   roll(dice, s.maxSubsteps, 0, 1e4, 1);
+  roll(dice, s.searchDistance, 0.01, 0.25, 0.01);
 }
 
 void rollElasticLimit(Dice& dice, ElasticLimit& limit) {

@@ -48,6 +48,7 @@ TEST(SoftBodySettings, areAcceptedBetweenTheirBounds) {
   expectBounds([](Settings& s) -> double& { return s.elasticLimit.stiffenFactor; }, 1, 1e6);
   expectBounds([](Settings& s) -> double& { return s.elasticLimit.yieldMaximum; }, 0, 0.999);
   expectBounds([](Settings& s) -> double& { return s.stepping.periodTolerance; }, 1e-8, 1);
+  expectBounds([](Settings& s) -> double& { return s.stepping.searchDistance; }, 0.01, 0.25);
   expectBounds([](Settings& s) -> double& { return s.totalMass; }, 1e-9, 1e9);
   expectBounds([](Settings& s) -> double& { return s.restitution; }, 0, 1);
   expectBounds([](Settings& s) -> double& { return s.volumeModulus.emplace(); }, 0, 1e15);

@@ -252,6 +252,7 @@ void Writer::softStepping(Step& s) {
   if (dice_.chance(0.05)) s.set("tolerance", dice_.decades(1e-3, 0.1));
   if (dice_.chance(0.05)) s.set("relative", dice_.decades(1e-2, 0.1));
   if (dice_.chance(0.15)) s.set("budget", dice_.of({1, 4, 16, 64}));
+  if (s["budget"] > 4) s.set("search", 0.25);
 }
 
 void Writer::joint(int at) {

@@ -219,7 +219,7 @@ Story withFineSubsteps(Story story, double shorter = 1.0) {
   return changed(std::move(story), [=](Step& s) {
     if (s.kind != Kind::Soft) return;
     s.set("period", 2e-3 / (shorter * shorter)).set("at-least", shorter * s["at-least"]);
-    s.set("tolerance", 0).set("relative", 0).set("budget", 0).set("ccd", 1);
+    s.set("tolerance", 0).set("relative", 0).set("budget", 0).set("search", 0.05).set("ccd", 1);
   });
 }
 

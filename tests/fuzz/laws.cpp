@@ -87,7 +87,10 @@ std::optional<Failure> checkEnergy(const Story& story, const Run& run, const Run
 Story inShorterSubsteps(Story story) {
   for (Step& s : story.steps)
     if (s.kind == Kind::Soft)
-      s.set("period", s["period"] / 16.0).set("at-least", 4.0 * s["at-least"]).set("budget", 0);
+      s.set("period", s["period"] / 16.0)
+          .set("at-least", 4.0 * s["at-least"])
+          .set("budget", 0)
+          .set("search", 0.05);
   return story;
 }
 

@@ -243,6 +243,7 @@ SoftBodySettings softSettings(const Step& s) {
   made.stepping.tolerance = s["tolerance"];
   made.stepping.relativeTolerance = s["relative"];
   made.stepping.maxSubsteps = s.whole("budget");
+  made.stepping.searchDistance = s["search"];
   made.elasticLimit = {s["stiffen"], s["stiffen-factor"], s["yield"], s["yield-maximum"], s["break"]};
   made.elasticLimit.tear = s.is("tear");
   return made;

@@ -100,6 +100,7 @@ std::vector<KindInfo> sceneKinds() {
         number("tolerance", 0, kSpeed),
         number("relative"),
         number("budget"),
+        number("search", 0.05),
         number("stiffen"),
         number("stiffen-factor", 10),
         number("yield"),

@@ -198,6 +198,7 @@ void appendCandidates(const TickContacts& found, const IslandNodes& nodes, Islan
     candidate.surfaces = &m;
     candidate.a = solverIndexOf(*m.body);
     candidate.displacement = displacementOf(m, found.tick);
+    candidate.searchDistance = searchDistanceOf(m);
     candidate.releases = releasesOf(m, found.tick);
     if (m.other)
       candidate.b = solverIndexOf(*m.other);

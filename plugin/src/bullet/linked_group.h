@@ -169,11 +169,11 @@ struct SurfaceMotion {
 struct IslandPair {
   const SurfaceCandidate* surfaces = nullptr;
   std::uint32_t a = 0, b = 0;  ///< indices in step.bodies; for a rigid b, in step.links.rigids
-  double displacement = 0.0;   ///< see displacementOf()
-  double releases = 0.0;       ///< 1/s, see releasesOf()
+  double displacement = 0.0, searchDistance = 0.0;  ///< see displacementOf(), searchDistanceOf()
+  double releases = 0.0;                            ///< 1/s, see releasesOf()
 
   /// Whether the surfaces move too far in the tick for their contacts to remain valid.
-  bool needsNewSearch() const { return displacement > kMaxBetweenSearches; }
+  bool needsNewSearch() const { return displacement > searchDistance; }
 
   SurfaceMotion held;  ///< of side b, if it is static or kinematic
 

@@ -35,7 +35,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 2};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 3};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -70,6 +70,7 @@ void transferStepping(Stream& stream, Settings& s) {
   stream.value("tolerance", s.tolerance);
   stream.value("relativeTolerance", s.relativeTolerance);
   stream.value("maxSubsteps", s.maxSubsteps);
+  stream.value("searchDistance", s.searchDistance);
 }
 
 template <class Stream, class Settings>

@@ -92,13 +92,14 @@ void storeFound(Island& island, std::uint32_t number, const TickContacts& found,
 /// substep.
 constexpr double kMaxInSubstep = 0.1;
 
-/// Numbers of searches and substeps that fine meshes may need even if their features move past each other
-/// quickly.
-constexpr double kManySearches = 16.0, kManySubsteps = 64.0;
+/// What fine meshes may need even if their features move past each other quickly: searches for this
+/// displacement (of features), and substeps.
+constexpr double kManySearched = 0.8, kManySubsteps = 64.0;
 
-/// Returns the number of searches in a tick for surfaces with this displacement (of features).
-double searchesFor(double displacement) {
-  return std::min(displacement / kMaxBetweenSearches, std::max(kManySearches, displacement / kMaxInSubstep));
+/// Returns the number of searches of the pair in a tick with this displacement (of features).
+double searchesFor(const IslandPair& m, double displacement) {
+  return std::min(displacement / m.searchDistance,
+                  std::max(kManySearched / m.searchDistance, displacement / kMaxInSubstep));
 }
 
 /// Longest time between two searches of a pair that moves, in rounds.
@@ -147,7 +148,7 @@ SurfaceMotion relativeMotion(const IslandPair& m, const Island& island) {
 double shareOf(const IslandPair& m, const SurfaceMotion& motion, double time, double tick) {
   const double speed = motion.mean.norm() + motion.spread;
   const double added = (motion.mean - m.known.mean).norm() + std::max(0.0, motion.spread - m.known.spread);
-  return searchesFor(tick * speed / featureSizeOf(*m.surfaces)) * time / tick +
+  return searchesFor(m, tick * speed / featureSizeOf(*m.surfaces)) * time / tick +
          added * time / radiusSumOf(*m.surfaces) + m.releases * time;
 }
 
@@ -246,27 +247,28 @@ void searchInStep(void* context, SolverIsland& group, Team& team, double since, 
 
 // --- the plan ----------------------------------------------------------------------------------------------
 
-/// The largest relative displacements, as multiples of the size of features.
-struct MaxDisplacements {
-  double all = 0.0;
-  double ofContacts = 0.0;  ///< of candidates with contacts: the others do not affect the substeps
-  double releases = 0.0;    ///< 1/s, see releasesOf()
+/// The largest needs of the pairs that are searched within the step.
+struct SearchNeeds {
+  double searches = 0.0;  ///< 0: no pair is searched
+  double displacement =
+      0.0;                ///< of features, where there are contacts: the others do not affect the substeps
+  double releases = 0.0;  ///< 1/s, see releasesOf()
 };
 
-MaxDisplacements maxDisplacements(const Island& island) {
-  MaxDisplacements largest;
+SearchNeeds searchNeeds(const Island& island) {
+  SearchNeeds most;
   for (const IslandPair& m : island.candidates) {
-    largest.all = std::max(largest.all, m.displacement);
-    largest.releases = std::max(largest.releases, m.releases);
-    if (m.surfaces->end > m.surfaces->first)
-      largest.ofContacts = std::max(largest.ofContacts, m.displacement);
+    if (!m.needsNewSearch()) continue;
+    most.searches = std::max(most.searches, searchesFor(m, m.displacement));
+    most.releases = std::max(most.releases, m.releases);
+    if (m.surfaces->end > m.surfaces->first) most.displacement = std::max(most.displacement, m.displacement);
   }
-  return largest;
+  return most;
 }
 
 /// Returns at most the maximum of any group.
-int substepsFor(const Island& island, const MaxDisplacements& displacement, double tick) {
-  const double wanted = std::max(displacement.ofContacts / kMaxInSubstep, tick * displacement.releases);
+int substepsFor(const Island& island, const SearchNeeds& needs, double tick) {
+  const double wanted = std::max(needs.displacement / kMaxInSubstep, tick * needs.releases);
   int substeps = static_cast<int>(std::ceil(std::min(wanted, kManySubsteps)));
   for (const LinkedGroup* group : island.groups)
     if (group->stepping.maxSubsteps > 0) substeps = std::min(substeps, group->stepping.maxSubsteps);
@@ -293,11 +295,11 @@ SurfaceMotion heldMotion(const RigidPart& part, double tick) {
 int planSearches(SearchContext& context, int substeps) {
   Island& island = *context.island;
   island.step.again = PairSearch();
-  const MaxDisplacements displacement = maxDisplacements(island);
-  if (!(displacement.all > kMaxBetweenSearches)) return substeps;
-  if (displacement.ofContacts > kMaxBetweenSearches)
-    substeps = std::max(substeps, substepsFor(island, displacement, context.found->tick));
-  const int every = std::max(1, static_cast<int>(substeps / searchesFor(displacement.all)));
+  const SearchNeeds needs = searchNeeds(island);
+  if (!(needs.searches > 0.0)) return substeps;
+  if (needs.displacement > 0.0)
+    substeps = std::max(substeps, substepsFor(island, needs, context.found->tick));
+  const int every = std::max(1, static_cast<int>(substeps / needs.searches));
   island.step.again = {every, &context, searchInStep};
   const double tick = context.found->tick;
   island.motions.clear();

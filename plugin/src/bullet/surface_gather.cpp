@@ -390,6 +390,11 @@ double featureSizeOf(const SurfaceCandidate& m) {
 
 double radiusSumOf(const SurfaceCandidate& m) { return m.body->surface.moving.radius + surfaceB(m).radius; }
 
+double searchDistanceOf(const SurfaceCandidate& m) {
+  const double own = m.body->settings.stepping.searchDistance;
+  return m.other ? std::min(own, m.other->settings.stepping.searchDistance) : own;
+}
+
 double releasesOf(const SurfaceCandidate& m, double tick) {
   if (m.other || m.first == m.end) return 0.0;
   // overlaps of the radii alone are found in the next tick
@@ -401,14 +406,14 @@ double releasesOf(const SurfaceCandidate& m, double tick) {
 }
 
 double displacementOf(const SurfaceCandidate& m, double tick) {
-  const double features = featureSizeOf(m), radii = radiusSumOf(m);
-  return ownDisplacement(m) / features + m.stopped / std::min(features, radii / kMaxBetweenSearches) +
-         kMaxBetweenSearches * tick * releasesOf(m, tick);
+  const double features = featureSizeOf(m), radii = radiusSumOf(m), distance = searchDistanceOf(m);
+  return ownDisplacement(m) / features + m.stopped / std::min(features, radii / distance) +
+         distance * tick * releasesOf(m, tick);
 }
 
 bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   if (!areSearchedWithinTick(m)) return false;
-  if (!(displacementOf(m, tick) > kMaxBetweenSearches)) return false;
+  if (!(displacementOf(m, tick) > searchDistanceOf(m))) return false;
   const MovingSurface& a = boxedSurface(*m.body, tick);
   if (m.other) boxedSurface(*m.other, tick);
   // overlaps of the radii alone are found in the next tick

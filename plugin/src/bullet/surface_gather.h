@@ -95,13 +95,13 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
 /// found.
 void addStoppedPairs(btDispatcher& dispatcher, TickContacts& found, SurfaceSearch& search);
 
-/// Fraction of the size of a surface's features: the largest relative displacement of surfaces between two
-/// searches.
-constexpr double kMaxBetweenSearches = 0.05;
+/// Returns the largest relative displacement of the surfaces between two searches, as a multiple of the size
+/// of their features, see Stepping::searchDistance.
+double searchDistanceOf(const SurfaceCandidate& candidate);
 
 /// Returns the largest relative displacement of the surfaces in the tick, as a multiple of the size of their
 /// features. It includes the predicted motion and the motion that hits stop. Of the motion that hits
-/// of other bodies stop, the sum of both radii counts as kMaxBetweenSearches if it is smaller: the surfaces
+/// of other bodies stop, the sum of both radii counts as searchDistanceOf() if it is smaller: the surfaces
 /// must be found before they are through one another. So does the motion until a point that is set free would
 /// have moved by that sum, see releasesOf().
 double displacementOf(const SurfaceCandidate& candidate, double tick);

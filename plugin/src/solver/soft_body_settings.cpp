@@ -103,6 +103,7 @@ Stepping Stepping::fast() {
   s.minSubsteps = 2;
   s.periodTolerance = 0.08;
   s.maxSubsteps = 10;
+  s.searchDistance = 0.25;
   return s;
 }
 
@@ -140,6 +141,7 @@ Result<void> validate(const SoftBodySettings& s) {
       {"stepping.tolerance", s.stepping.tolerance, 0, 1e6, "from 0 to 1e6"},
       {"stepping.relativeTolerance", s.stepping.relativeTolerance, 0, 1e6, "from 0 to 1e6"},
       {"stepping.maxSubsteps", static_cast<double>(s.stepping.maxSubsteps), 0, 1e4, "from 0 to 10000"},
+      {"stepping.searchDistance", s.stepping.searchDistance, 0.01, 0.25, "from 0.01 to 0.25"},
       {"elasticLimit.stiffenStrain", s.elasticLimit.stiffenStrain, 0, 1e6, "from 0 to 1e6"},
       {"elasticLimit.stiffenFactor", s.elasticLimit.stiffenFactor, 1, 1e6, "from 1 to 1e6"},
       {"elasticLimit.yieldStrain", s.elasticLimit.yieldStrain, 0, 1e6, "from 0 to 1e6"},
