@@ -32,7 +32,6 @@ struct ShapeFigures {
   double mean = 0.0;
   double worst = 0.0;
   std::size_t insideOut = 0;
-  bool kept() const;
 };
 
 /// All results of a run.

@@ -404,6 +404,62 @@ TEST(Cook, ropesRunStraightThroughStraightTubes) {
   EXPECT_NEAR(length, (axis.back() - axis.front()).norm(), 0.002);
 }
 
+TEST(Cook, sheetsOfMixedOrientationGetOneSide) {
+  for (const std::size_t period : {2u, 3u, 5u}) {
+    TriangleMesh mesh = flag(0.0);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      if (t / 2 % period == 0) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    const CookedBody body = cooked(mesh).bodies.at(0);
+    ASSERT_EQ(body.network->kind, NetworkKind::Cloth);
+    const std::vector<Vector3d>& p = body.network->restPoints;
+    double area = 0.0;
+    for (const Triangle& t : body.network->surface)
+      area += 0.5 * (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).z();
+    EXPECT_NEAR(std::abs(area), 1.0, 1e-6) << period;
+  }
+}
+
+/// As after a boolean operation of a modeller: the faces are closed, but have other vertices on their edges.
+TEST(Cook, openingsWithoutAreaDoNotMakeASheet) {
+  TriangleMesh mesh = small_meshes::cube(4);
+  const std::vector<Triangle> all = mesh.triangles;
+  mesh.triangles.clear();
+  for (const Triangle& t : all)
+    if (std::min({mesh.positions[t[0]].y(), mesh.positions[t[1]].y(), mesh.positions[t[2]].y()}) < 0.5)
+      mesh.triangles.push_back(t);
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const auto& [x, z] :
+       {std::pair(-0.5, -0.5), std::pair(-0.5, 0.5), std::pair(0.5, 0.5), std::pair(0.5, -0.5)})
+    mesh.positions.emplace_back(x, 0.5, z);
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  mesh.triangles.push_back({first, first + 2, first + 3});
+  const CookedBody body = cooked(mesh).bodies.at(0);
+  double volume = 0.0;
+  for (const Tetrahedron& t : body.network->tetrahedra) volume += volumeOf(body.network->restPoints, t);
+  EXPECT_NEAR(volume, 1.0, 0.1);
+}
+
+TEST(Cook, cubesThatTouchInAnEdgeAreOneBody) {
+  TriangleMesh second = small_meshes::cube(4);
+  for (Vector3d& p : second.positions) p += Vector3d(1, 1, 0);
+  const CookedMesh c = cooked(joined(small_meshes::cube(4), second));
+  ASSERT_EQ(c.bodies.size(), 1u);
+  double volume = 0.0;
+  for (const Tetrahedron& t : c.bodies[0].network->tetrahedra)
+    volume += volumeOf(c.bodies[0].network->restPoints, t);
+  EXPECT_NEAR(volume, 2.0, 0.3) << "with the joint along the edge";
+}
+
+TEST(Cook, closedPlatesBecomeClothInTheirMiddle) {
+  TriangleMesh mesh = small_meshes::cube(8);
+  for (Vector3d& p : mesh.positions) p.y() *= 0.02;
+  const CookedBody body = cooked(mesh).bodies.at(0);
+  ASSERT_EQ(body.network->kind, NetworkKind::Cloth);
+  EXPECT_NEAR(body.thickness, 0.02, 1e-12);
+  for (const Vector3d& p : body.network->restPoints) EXPECT_NEAR(p.y(), 0.0, 1e-12);
+  for (const std::uint32_t point : body.network->render.vertexToPoint) EXPECT_NE(point, kNoPoint);
+}
+
 /// A closed plate of 1 x 1 m of 8 x 8 cells, without those in the middle.
 TriangleMesh plateWithHole(double thickness) {
   constexpr int kCells = 8;

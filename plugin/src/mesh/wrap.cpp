@@ -395,6 +395,32 @@ Soup findThinParts(const Source& source, const Sampled& sampled, double& fractio
   return thin;
 }
 
+/// Returns whether the inside has gaps between its parts around an edge, at this distance (m) from it.
+bool isPinched(const Sampled& sampled, const Vector3d& a, const Vector3d& b, double radius) {
+  constexpr int kDirections = 16;
+  const Vector3d u = (b - a).normalized().unitOrthogonal(), v = (b - a).normalized().cross(u);
+  const auto inside = [&](int i) {
+    const double angle = 2.0 * kPi * i / kDirections;
+    return sampled.inside(0.5 * (a + b) + radius * (std::cos(angle) * u + std::sin(angle) * v));
+  };
+  int entries = 0;
+  for (int i = 0; i < kDirections; ++i) entries += inside(i) && !inside(i + 1) ? 1 : 0;
+  return entries > 1;
+}
+
+/// Adds the edges in which solids touch, as triangles without area: there the solid has no thickness.
+void addPinches(const Source& source, const Sampled& sampled, Soup& thin) {
+  std::vector<Edge> edges;
+  for (const Triangle& t : source.triangles)
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
+    while (last < edges.size() && edges[last] == edges[first]) ++last;
+    const Vector3d &a = source.points[edges[first][0]], &b = source.points[edges[first][1]];
+    if (last - first > 2 && isPinched(sampled, a, b, 0.5 * source.thickness)) thin.add(a, b, b);
+  }
+}
+
 // --- rods --------------------------------------------------------------------------------------------------
 
 /// Largest number of places of a piece between which rods are looked for.
@@ -527,7 +553,8 @@ Result<WrappedMesh> wrapOfField(const TriangleMesh& mesh, const WrapSettings& se
   wrapped.join = source->join;
   std::vector<double> values = sampleSolid(*source, *grid);
   distrustInsides(*grid, values);
-  const Soup thin = findThinParts(*source, {*grid, values}, wrapped.thinFraction);
+  Soup thin = findThinParts(*source, {*grid, values}, wrapped.thinFraction);
+  addPinches(*source, {*grid, values}, thin);
   thicken(thin, source->thickness, *grid, values);
   fillGaps(*grid, source->join, values);
   extractPieces(*grid, values, wrapped);

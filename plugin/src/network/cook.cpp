@@ -151,6 +151,7 @@ struct Choices {
   std::size_t points = 0, springs = 0, tetrahedra = 0, solids = 0, sheets = 0, ropes = 0, wrapped = 0,
               filled = 0, thickened = 0;
   double spacing = 0.0, thickness = 0.0;  ///< m, of the largest body
+  double volume = 0.0, meshVolume = 0.0;  ///< m^3, of solids that differ from their closed meshes
 };
 
 struct Builder {
@@ -455,8 +456,15 @@ Result<CookedBody> cookSolid(Builder& builder, const Part& part) {
   if (!builder.report("skin", 1.0)) return Error{kEnded};
   ++builder.choices.solids;
   const bool isExact = isOneSolid(part.welded.report) && builder.choices.thickened == thickened;
-  const double volume = isExact ? std::abs(signedVolume(part.welded.points, part.welded.triangles)) : 0.0;
-  return CookedBody{std::move(*skinned), 0.0, volume};
+  if (isExact)
+    return CookedBody{std::move(*skinned), 0.0,
+                      std::abs(signedVolume(part.welded.points, part.welded.triangles))};
+  if (part.welded.report.watertight()) {
+    builder.choices.volume += signedVolume((*skinned)->restPoints, (*skinned)->surface);
+    builder.choices.meshVolume +=
+        signedVolume(part.welded.points, facingOutward(part.welded.points, part.welded.triangles));
+  }
+  return CookedBody{std::move(*skinned), 0.0, 0.0};
 }
 
 Result<CookedBody> cookPart(Builder& builder, const Part& part) {
@@ -476,6 +484,9 @@ Result<CookedBody> cookPart(Builder& builder, const Part& part) {
 
 std::string centimetres(double metres) { return inThreeDigits(100.0 * metres) + " cm"; }
 
+/// The report tells a volume that is this many times that of the mesh.
+constexpr double kHeavier = 1.1;
+
 std::string describeSolids(const Choices& c, const CookSettings& settings) {
   std::string text = counted(c.solids, "solid", "solids");
   if (settings.mode == CookMode::Braces)
@@ -486,6 +497,8 @@ std::string describeSolids(const Choices& c, const CookSettings& settings) {
   if (c.wrapped > 0) text += "; wrapped, because the mesh is not one closed surface";
   if (c.filled > 0) text += ", and its openings filled";
   if (c.thickened > 0) text += "; thin parts made as thick as the tetrahedra";
+  if (c.volume > kHeavier * c.meshVolume && c.meshVolume > 0.0)
+    text += "; " + inThreeDigits(c.volume / c.meshVolume) + " times the volume of the mesh, and as heavy";
   return text;
 }
 

@@ -257,11 +257,14 @@ Edges sheetEdges(const SpringNetwork& network, const std::map<Edge, double>& are
   return edges;
 }
 
+/// Either side of a triangle counts alike: sheets with one side are oriented inconsistently somewhere.
 std::vector<FourthDegree> sheetElasticities(const SpringNetwork& network) {
   const std::vector<Eigen::Vector3d>& points = network.restPoints;
   std::vector<Eigen::Vector3d> normals(points.size(), Eigen::Vector3d::Zero());
-  for (const Triangle& t : network.surface)
-    for (const std::uint32_t p : t) normals[p] += areaVector(points[t[0]], points[t[1]], points[t[2]]);
+  for (const Triangle& t : network.surface) {
+    const Eigen::Vector3d vector = areaVector(points[t[0]], points[t[1]], points[t[2]]);
+    for (const std::uint32_t p : t) normals[p] += normals[p].dot(vector) < 0.0 ? -vector : vector;
+  }
   std::vector<FourthDegree> elasticities;
   for (const Eigen::Vector3d& normal : normals) elasticities.push_back(flatElasticity(normal.normalized()));
   return elasticities;

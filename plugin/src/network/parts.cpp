@@ -278,16 +278,23 @@ FlatBox flatBoxOf(const std::vector<Vector3d>& points) {
 
 namespace {
 
-/// Returns the mesh without the triangles that do not face along the normal.
-TriangleMesh frontOf(const TriangleMesh& mesh, const Vector3d& normal) {
-  TriangleMesh front = mesh;
-  front.triangles.clear();
-  for (const Triangle& t : mesh.triangles)
-    if (areaVector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]])
-            .normalized()
-            .dot(normal) > 0.5)
-      front.triangles.push_back(t);
-  return front;
+/// Returns the part of a closed plate that faces along the normal, moved to the middle of the plate. Sets the
+/// thickness (m) with which it has the plate's volume.
+TriangleMesh middleOf(const TriangleMesh& mesh, const WeldedMesh& welded, const Vector3d& normal,
+                      double& thickness) {
+  std::vector<Triangle> triangles;
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vector3d vector = areaVector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+    if (!(vector.normalized().dot(normal) > 0.5)) continue;
+    triangles.push_back(t);
+    area += vector.norm();
+  }
+  const double volume = signedVolume(welded.points, welded.triangles);
+  thickness = area > 0.0 ? std::abs(volume) / area : 0.0;
+  TriangleMesh middle = partOf(mesh, std::move(triangles));
+  for (Vector3d& p : middle.positions) p -= std::copysign(0.5 * thickness, volume) * normal;
+  return middle;
 }
 
 double longestEdge(const TriangleMesh& mesh) {
@@ -328,9 +335,20 @@ TriangleMesh refined(TriangleMesh mesh, std::size_t limit) {
   return mesh;
 }
 
-std::optional<CookedBody> buildSheet(const TriangleMesh& mesh, double thickness, std::size_t points) {
-  const Result<WeldedMesh> welded = weld(mesh);
+/// Returns the mesh with its triangles turned so that neighbours have the same side.
+TriangleMesh oriented(TriangleMesh mesh, const WeldedMesh& welded) {
+  if (welded.report.inconsistentEdges == 0) return mesh;
+  const std::vector<bool> turned = patchesFacingInward(welded.points, welded.triangles);
+  for (std::size_t t = 0; t < turned.size(); ++t)
+    if (Triangle& triangle = mesh.triangles[welded.keptTriangles[t]]; turned[t])
+      std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+std::optional<CookedBody> buildSheet(const TriangleMesh& anySides, double thickness, std::size_t points) {
+  const Result<WeldedMesh> welded = weld(anySides);
   if (!welded || welded->report.components != 1) return std::nullopt;
+  const TriangleMesh mesh = oriented(anySides, *welded);
   const std::size_t limit = points > 0 ? points : kSheetPoints;
   const Result<TriangleMesh> coarse = welded->points.size() > limit
                                           ? simplify(mesh, static_cast<std::uint32_t>(limit))
@@ -358,16 +376,39 @@ double facingShare(const WeldedMesh& mesh, const Vector3d& normal) {
   return facing / area;
 }
 
+namespace {
+
+/// Returns whether an open mesh encloses what is below it, because its openings have no area: neighbouring
+/// faces have other vertices on their common edge.
+bool isClosedInEffect(const WeldedMesh& mesh) {
+  constexpr std::size_t kSamples = 500;
+  constexpr double kEnclosed = 0.9;  // winding number; below the rim of a bowl it is a half
+  std::vector<Triangle> triangles = mesh.triangles;
+  flip(triangles, patchesFacingInward(mesh.points, triangles));
+  const TriangleBvh bvh(mesh.points, triangles);
+  for (std::size_t i = 0; i < triangles.size(); i += 1 + triangles.size() / kSamples) {
+    const Vector3d &a = mesh.points[triangles[i][0]], &b = mesh.points[triangles[i][1]],
+                   &c = mesh.points[triangles[i][2]];
+    const Vector3d vector = areaVector(a, b, c),
+                   below = -1e-3 * std::sqrt(vector.norm()) * vector.normalized();
+    if (bvh.windingNumber((a + b + c) / 3.0 + below) < kEnclosed) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
   if (welded.report.components != 1) return std::nullopt;
   const FlatBox box = flatBoxOf(welded.points);
   const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded), border = borderLength(welded);
   const bool isFlat = box.size.z() < kFlat * size && facingShare(welded, box.axes.col(2)) > kPlateArea;
   if (isFlat && welded.report.watertight()) {
-    const double thickness = 2.0 * std::abs(signedVolume(welded.points, welded.triangles)) / area;
-    return buildSheet(frontOf(mesh, box.axes.col(2)), thickness, points);
+    double thickness = 0.0;
+    const TriangleMesh middle = middleOf(mesh, welded, box.axes.col(2), thickness);
+    return buildSheet(middle, thickness, points);
   }
-  const bool isOpen = border * border > kSheetBorder * area;
+  const bool isOpen = border * border > kSheetBorder * area && !isClosedInEffect(welded);
   return isFlat || isOpen ? buildSheet(mesh, kSheetThickness * size, points) : std::nullopt;
 }
 
