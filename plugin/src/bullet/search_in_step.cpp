@@ -142,14 +142,20 @@ SurfaceMotion relativeMotion(const IslandPair& m, const Island& island) {
   return {a.mean - b.mean, a.spread + b.spread};
 }
 
+/// Motion under load between two searches, as a share of the radius of points.
+constexpr double kUnderLoad = 0.5;
+
 /// Returns a motion in `time` s as a share of that after which a search is due. A search finds the contacts
 /// of the motion at its time. Of the motion that hits have added since, the sum of the radii counts as a
-/// whole share: the surfaces must be found before they are through one another.
+/// whole share: the surfaces must be found before they are through one another. Under a load that throws
+/// points round edges, so does a part of the points' radius of all motion.
 double shareOf(const IslandPair& m, const SurfaceMotion& motion, double time, double tick) {
   const double speed = motion.mean.norm() + motion.spread;
   const double added = (motion.mean - m.known.mean).norm() + std::max(0.0, motion.spread - m.known.spread);
+  const double underLoad =
+      m.releases > 0.0 ? speed / (kUnderLoad * m.surfaces->body->surface.moving.radius) : 0.0;
   return searchesFor(m, tick * speed / featureSizeOf(*m.surfaces)) * time / tick +
-         added * time / radiusSumOf(*m.surfaces) + m.releases * time;
+         added * time / radiusSumOf(*m.surfaces) + underLoad * time;
 }
 
 /// Sets the periods of the pairs that would move too far until the next round, `ahead` s from now, and 0 for
