@@ -109,7 +109,6 @@ void divideRows(IslandConstraints& rows, const LinkedBodies& bodies) {
     list->reserve(rows.contacts.capacity());
     list->resize(count);
   }
-  rows.changedIn.resize(bodyCount);
   std::size_t slabs = 1;
   if (rows.joints.empty() && bodies.anchors.empty())
     while (2 * slabs <= std::min(kMaxRowSlabs, bodyCount) && 2 * slabs * kRowsPerSlab <= count) slabs *= 2;
@@ -117,10 +116,43 @@ void divideRows(IslandConstraints& rows, const LinkedBodies& bodies) {
     makeOneSet(rows);
   else
     makeSets(rows, bodies, slabs);
-  rows.rowBodies.reserve(rows.contacts.capacity());
-  rows.rowBodies.clear();
-  for (const std::uint32_t contact : rows.order)
-    rows.rowBodies.push_back(bodiesOf(rows.contacts[contact], bodies));
+}
+
+// --- nodes -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Returns the number of the node with this velocity, a new one if it is not in the table yet.
+std::uint32_t nodeWith(const double* velocity, IslandConstraints& rows) {
+  auto& table = rows.nodeTable;
+  const std::size_t mask = table.size() - 1;
+  std::size_t place = reinterpret_cast<std::uintptr_t>(velocity) / sizeof(double) * 0x9E3779B97F4A7C15u >> 20;
+  while (table[place & mask].first && table[place & mask].first != velocity) ++place;
+  auto& [key, node] = table[place & mask];
+  if (!key) {
+    key = velocity;
+    node = static_cast<std::uint32_t>(rows.nodes.size());
+    rows.nodes.push_back({});
+  }
+  return node;
+}
+
+}  // namespace
+
+void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies) {
+  std::size_t size = 16;
+  while (size < 2 * rows.points.size()) size *= 2;
+  rows.nodeTable.assign(size, {nullptr, 0});
+  rows.nodes.clear();
+  rows.nodeOf.clear();
+  for (const ConstraintPoint& p : rows.points) rows.nodeOf.push_back(nodeWith(p.velocity, rows));
+  for (ConstraintRotation& r : rows.rotations) r.node = nodeWith(r.body->velocity.data(), rows);
+  rows.rowNodes.clear();
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const RowBodies of = bodiesOf(contactOf(rows, i), bodies);
+    rows.rowNodes.push_back({of.a, of.b, rows.rows[i].firstPoint, rows.rows[i].endPoint, false});
+  }
+  rows.changedIn.resize(bodies.points.size() + bodies.rigids.size());
 }
 
 }  // namespace limber

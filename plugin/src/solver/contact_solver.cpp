@@ -153,6 +153,13 @@ void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
 
 bool isSoft(const ContactPoint& p) { return p.kind == ContactPoint::Kind::Soft; }
 
+/// 1/kg, of the contact's point on the rigid body, along the axis in which it is largest.
+double largestMobility(const ConstraintRotation& r) {
+  double largest = 0.0;
+  for (int k = 0; k < 3; ++k) largest = std::max(largest, ConstMap(r.speeds[k]).dot(ConstMap(r.response[k])));
+  return r.body->inverseMass.maxCoeff() * r.inverseFactor + largest;
+}
+
 /// Whether side a is a single point mass and side b a static or kinematic object.
 bool isOfPoint(const Contact& c) {
   return isSoft(c.a) && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
@@ -189,9 +196,9 @@ void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstrain
 /// of the sweeps, and tested again after these.
 ///
 /// In a pile most contacts are solved after a few sweeps, and a few groups of them need many. So a sweep
-/// leaves out the contacts of two bodies that no contact has changed by more than the tolerance since the
-/// last sweep. The solve ends with a sweep over all. With joints and anchors, which act through many bodies
-/// at once, every sweep is over all.
+/// leaves out the contacts whose point masses and rigid bodies no contact has changed by more than the
+/// tolerance since the last sweep. The solve ends with a sweep over all. With joints and anchors, which act
+/// through many bodies at once, every sweep is over all.
 struct Solve {
   IslandConstraints& rows;
   LinkedBodies& bodies;
@@ -224,7 +231,9 @@ struct Solve {
   }
 
   void markChanged(std::uint32_t i) const {
-    rows.changedIn[rows.rowBodies[i].a] = rows.changedIn[rows.rowBodies[i].b] = count;
+    rows.changedIn[rows.rowNodes[i].a] = rows.changedIn[rows.rowNodes[i].b] = count;
+    for (std::uint32_t p = rows.rowNodes[i].begin; p < rows.rowNodes[i].end; ++p)
+      rows.nodes[rows.nodeOf[p]] = {count, 0.0};
   }
 
   void activate(RowSet& set, std::uint32_t i) const {
@@ -235,7 +244,7 @@ struct Solve {
     row.minFrictionChange = kMinFrictionChange;
     row.direction = ContactVector();
     row.change = ContactVector();
-    rows.rowBodies[i].isLeftOut = false;
+    rows.rowNodes[i].isLeftOut = false;
     markChanged(i);
     rows.active[set.begin + set.activeCount++] = i;
   }
@@ -301,19 +310,37 @@ struct Solve {
     j.lower = -j.upper;
   }
 
-  /// Marks both bodies of the contact if the change is large enough.
+  /// Marks the row's point masses if the change is large enough. Its rigid bodies, which are heavier, are
+  /// marked once all changes since the last time are.
   void noteChange(std::uint32_t i, const ContactVector& change) const {
-    const double mobility = rows.rows[i].mobility;
-    if (change.squaredNorm() * mobility * mobility > tolerance * tolerance) markChanged(i);
+    const ContactConstraint& row = rows.rows[i];
+    const double squared = change.squaredNorm();
+    const bool isLarge = squared * row.mobility * row.mobility > tolerance * tolerance;
+    if (isLarge && row.firstRotation == row.endRotation) return markChanged(i);
+    if (squared == 0.0 || row.firstRotation == row.endRotation) return;
+    const RowNodes& of = rows.rowNodes[i];
+    if (isLarge) rows.changedIn[of.a] = rows.changedIn[of.b] = count;
+    for (std::uint32_t p = row.firstPoint; isLarge && p < row.endPoint; ++p)
+      if (rows.momentArms[p].position) rows.nodes[rows.nodeOf[p]].changedIn = count;
+    for (std::uint32_t r = row.firstRotation; r < row.endRotation; ++r) {
+      ConstraintNode& node = rows.nodes[rows.rotations[r].node];
+      node.changed += std::sqrt(squared) * largestMobility(rows.rotations[r]);
+      if (!(node.changed > tolerance)) continue;
+      node = {count, 0.0};
+      rows.changedIn[of.a] = rows.changedIn[of.b] = count;
+    }
   }
 
-  bool isNearChange(const RowBodies& of) const {
-    return std::max(rows.changedIn[of.a], rows.changedIn[of.b]) + 1 >= count;
+  bool isNearChange(const RowNodes& of) const {
+    if (std::max(rows.changedIn[of.a], rows.changedIn[of.b]) + 1 < count) return false;
+    for (std::uint32_t p = of.begin; p < of.end; ++p)
+      if (rows.nodes[rows.nodeOf[p]].changedIn + 1 >= count) return true;
+    return false;
   }
 
   /// Returns whether the sweep leaves out the row.
   bool leavesOut(std::uint32_t i, bool all) const {
-    RowBodies& of = rows.rowBodies[i];
+    RowNodes& of = rows.rowNodes[i];
     const bool wasLeftOut = of.isLeftOut;
     of.isLeftOut = !all && !isNearChange(of);
     if (of.isLeftOut && !wasLeftOut) rows.rows[i].change = rows.rows[i].direction = ContactVector();
@@ -408,6 +435,7 @@ struct Solve {
 
   int run() {
     std::fill(rows.changedIn.begin(), rows.changedIn.end(), 0);
+    std::fill(rows.nodes.begin(), rows.nodes.end(), ConstraintNode());
     start();
     tolerance = rows.empty() ? kTightTolerance : rows.tolerance;
     double before = 0.0;

@@ -34,7 +34,7 @@ void setSpeeds(ConstraintRotation& rotation, const ContactConstraint& row, const
 
 void addRotation(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid,
                  const Vector3d& arm, double massFactor) {
-  rows.rotations.push_back({&rigid, 1.0 / massFactor, {}, {}});
+  rows.rotations.push_back({&rigid, 0, 1.0 / massFactor, {}, {}});
   setSpeeds(rows.rotations.back(), row, arm);
 }
 
@@ -425,6 +425,7 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
     prepareRow(rows, rows.rows[i], contactOf(rows, i), bodies);
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
     if (contactOf(rows, i).restitution > 0.0) keepVelocity(rows, rows.rows[i]);
+  numberNodes(rows, bodies);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
 }
 

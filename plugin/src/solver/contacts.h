@@ -106,6 +106,7 @@ struct MomentArm {
 /// An angular velocity on which a contact depends and which it changes.
 struct ConstraintRotation {
   RigidState* body;
+  std::uint32_t node;     ///< in IslandConstraints::nodes
   double inverseFactor;   ///< 1 / ContactPoint::massFactor
   double speeds[3][3];    ///< m/s per rad/s: along the normal and both tangents
   double response[3][3];  ///< rad/s per N s along the same axes, at the body's present rotation
@@ -186,9 +187,16 @@ struct SweepChange {
 };
 
 /// What decides whether a sweep leaves out a row, apart from the row: most sweeps leave out most rows.
-struct RowBodies {
-  std::uint32_t a, b;  ///< see bodiesOf()
-  bool isLeftOut;      ///< by the last sweep; the row's change and direction are 0
+struct RowNodes {
+  std::uint32_t a, b;        ///< see bodiesOf()
+  std::uint32_t begin, end;  ///< in IslandConstraints::nodeOf, of the row's points
+  bool isLeftOut;            ///< by the last sweep; the row's change and direction are 0
+};
+
+/// A point mass or rigid body that contacts change.
+struct ConstraintNode {
+  int changedIn;   ///< the last sweep that changed it by more than the tolerance
+  double changed;  ///< m/s, bound of its change since then
 };
 
 /// Consecutive rows that one thread sweeps, see IslandConstraints::sets.
@@ -207,16 +215,20 @@ struct IslandConstraints {
   // Written by the step.
   std::vector<ContactConstraint> rows;  ///< #contacts, in the order of their sets
   std::vector<std::uint32_t> order;     ///< #rows, the contact of each
-  std::vector<RowBodies> rowBodies;     ///< #rows
+  std::vector<RowNodes> rowNodes;       ///< #rows
   std::vector<ConstraintPoint> points;
   std::vector<MomentArm> momentArms;  ///< #points
+  std::vector<std::uint32_t> nodeOf;  ///< #points
+  std::vector<ConstraintNode> nodes;
   std::vector<ConstraintRotation> rotations;
   std::vector<RowSet> sets;           ///< small islands have one
   std::vector<Range> phases;          ///< of `sets`; the sets of a phase have no body in common
   std::vector<std::uint32_t> active;  ///< #rows, by sets: rows in the sweeps of the present stage
   std::vector<std::uint32_t> swept;   ///< likewise: those of them in the present sweep
-  std::vector<int> changedIn;  ///< #soft bodies, then #rigid bodies: the last sweep that changed the body
+  std::vector<int> changedIn;  ///< #soft bodies, then #rigid bodies: the last sweep that changed a node of it
   std::vector<std::uint32_t> weights, slabs, byPlace;  ///< likewise, scratch of divideRows()
+  std::vector<std::pair<const double*, std::uint32_t>>
+      nodeTable;  ///< scratch: velocities and their nodes, hashed by address
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
@@ -226,14 +238,17 @@ struct IslandConstraints {
                             ///< also kExactSweeps (contact_solver.cpp)
 };
 
-/// Returns the indices of the contact's bodies in IslandConstraints::changedIn; equal if only one side can
-/// move.
+/// The indices of a contact's bodies in IslandConstraints::changedIn; equal if only one side can move.
+struct RowBodies {
+  std::uint32_t a, b;
+};
+
 inline RowBodies bodiesOf(const Contact& c, const LinkedBodies& bodies) {
   using Kind = ContactPoint::Kind;
   const auto indexOf = [&](const ContactPoint& side) {
     return side.body + (side.kind == Kind::Rigid ? static_cast<std::uint32_t>(bodies.points.size()) : 0);
   };
-  return {indexOf(c.a.kind == Kind::World ? c.b : c.a), indexOf(c.b.kind == Kind::World ? c.a : c.b), false};
+  return {indexOf(c.a.kind == Kind::World ? c.b : c.a), indexOf(c.b.kind == Kind::World ? c.a : c.b)};
 }
 
 /// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
@@ -245,6 +260,10 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies);
 /// of threads. With joints or anchors, which act through many bodies at once, the rows are one set in the
 /// order of the contacts.
 void divideRows(IslandConstraints& rows, const LinkedBodies& bodies);
+
+/// Numbers the point masses and rigid bodies of the rows in the order of the rows: sets `nodeOf`, `rowNodes`
+/// and the number of `nodes`.
+void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies);
 
 /// Calls visit(set) for all sets, for those of a phase at the same time.
 template <class Visit>
