@@ -220,8 +220,9 @@ constexpr double kSlightlyMore = 1.001;
 
 using PenetratingIterator = std::vector<PenetratingVertex>::const_iterator;
 
-/// Adds a candidate if the vertex is inside. `begin` to `end` are entries of one vertex, in the order of
-/// addInsideVertices().
+/// Adds a candidate if the vertex is inside and its own surface faces the way out. `begin` to `end` are
+/// entries of one vertex, in the order of addInsideVertices(). A vertex near a thin edge that is pushed out
+/// of the far side would be hooked there.
 void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIterator end,
                ContactSearch& search) {
   const MovingSurface &own = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
@@ -231,8 +232,7 @@ void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIt
   const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
     return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, 0.0, vertex.triangle));
   });
-  const PenetratingVertex& vertex = facing != end ? *facing : *begin;
-  addVertexOnTriangle(pair, vertex, normalAt(other, 0.0, vertex.triangle), 0.0, search);
+  if (facing != end) addVertexOnTriangle(pair, *facing, normalAt(other, 0.0, facing->triangle), 0.0, search);
 }
 
 }  // namespace
