@@ -442,7 +442,9 @@ TEST(Cook, openingsWithoutAreaDoNotMakeASheet) {
 TEST(Cook, cubesThatTouchInAnEdgeAreOneBody) {
   TriangleMesh second = small_meshes::cube(4);
   for (Vector3d& p : second.positions) p += Vector3d(1, 1, 0);
-  const CookedMesh c = cooked(joined(small_meshes::cube(4), second));
+  CookSettings settings;
+  settings.points = 100;
+  const CookedMesh c = cooked(joined(small_meshes::cube(4), second), settings);
   ASSERT_EQ(c.bodies.size(), 1u);
   double volume = 0.0;
   for (const Tetrahedron& t : c.bodies[0].network->tetrahedra)
