@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// Divides the rows of a large island into sets that several threads sweep at the same time.
+// Divides the rows of a large island into sets that several threads sweep at the same time, and numbers the
+// point masses and rigid bodies of the rows.
 #include "solver/contacts.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 

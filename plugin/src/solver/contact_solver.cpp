@@ -310,25 +310,32 @@ struct Solve {
     j.lower = -j.upper;
   }
 
-  /// Marks the row's point masses if the change is large enough. Its rigid bodies, which are heavier, are
-  /// marked once all changes since the last time are.
+  void markPoints(std::uint32_t i) const {
+    const RowNodes& of = rows.rowNodes[i];
+    rows.changedIn[of.a] = rows.changedIn[of.b] = count;
+    for (std::uint32_t p = of.begin; p < of.end; ++p)
+      if (rows.momentArms[p].position) rows.nodes[rows.nodeOf[p]].changedIn = count;
+  }
+
+  /// Adds a change of at most `speed` (m/s) to a rigid body of the row. Marks it once all changes since the
+  /// last time are large enough.
+  void noteRigidChange(const ConstraintRotation& rigid, const RowNodes& of, double speed) const {
+    ConstraintNode& node = rows.nodes[rigid.node];
+    node.changed += speed;
+    if (!(node.changed > tolerance)) return;
+    node = {count, 0.0};
+    rows.changedIn[of.a] = rows.changedIn[of.b] = count;
+  }
+
+  /// Marks the row's point masses if the change is large enough. Rigid bodies are heavier, and a change that
+  /// is large for a point is small for them.
   void noteChange(std::uint32_t i, const ContactVector& change) const {
     const ContactConstraint& row = rows.rows[i];
     const double squared = change.squaredNorm();
-    const bool isLarge = squared * row.mobility * row.mobility > tolerance * tolerance;
-    if (isLarge && row.firstRotation == row.endRotation) return markChanged(i);
-    if (squared == 0.0 || row.firstRotation == row.endRotation) return;
-    const RowNodes& of = rows.rowNodes[i];
-    if (isLarge) rows.changedIn[of.a] = rows.changedIn[of.b] = count;
-    for (std::uint32_t p = row.firstPoint; isLarge && p < row.endPoint; ++p)
-      if (rows.momentArms[p].position) rows.nodes[rows.nodeOf[p]].changedIn = count;
-    for (std::uint32_t r = row.firstRotation; r < row.endRotation; ++r) {
-      ConstraintNode& node = rows.nodes[rows.rotations[r].node];
-      node.changed += std::sqrt(squared) * largestMobility(rows.rotations[r]);
-      if (!(node.changed > tolerance)) continue;
-      node = {count, 0.0};
-      rows.changedIn[of.a] = rows.changedIn[of.b] = count;
-    }
+    if (squared * row.mobility * row.mobility > tolerance * tolerance) markPoints(i);
+    for (std::uint32_t r = row.firstRotation; r < row.endRotation; ++r)
+      noteRigidChange(rows.rotations[r], rows.rowNodes[i],
+                      std::sqrt(squared) * largestMobility(rows.rotations[r]));
   }
 
   bool isNearChange(const RowNodes& of) const {
