@@ -351,8 +351,7 @@ namespace {
 Vector3d motionOf(const btCollisionObject& object, const Vector3d& position, double tick) {
   const btRigidBody* rigid = btRigidBody::upcast(&object);
   Vector3d motion = tick * velocityOf(object, toBullet(position), tick);
-  if (rigid && isFree(*rigid))
-    motion += tick * tick * double(rigid->getInvMass()) * toEigen(rigid->getTotalForce());
+  if (rigid && isFree(*rigid)) motion += fallOf(*rigid, tick);
   return motion;
 }
 

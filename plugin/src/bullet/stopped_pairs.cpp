@@ -71,9 +71,8 @@ class Motions {
     if (index >= numbers_.size()) numbers_.resize(index + 1);
     numbers_[index] = static_cast<std::uint32_t>(rigids_.size());
     // what it stands on may be unknown in its first tick
-    const Vector3d coasting = tick_ * toEigen(body.getLinearVelocity()),
-                   fall = tick_ * tick_ * toEigen(body.getTotalForce() * body.getInvMass());
-    rigids_.push_back({&body, AlignedBox3d(coasting).extend(Vector3d(coasting + fall))});
+    const Vector3d coasting = tick_ * toEigen(body.getLinearVelocity());
+    rigids_.push_back({&body, AlignedBox3d(coasting).extend(Vector3d(coasting + fallOf(body, tick_)))});
   }
 
   RigidMotions* find(const btCollisionObject& object) {

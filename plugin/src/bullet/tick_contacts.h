@@ -112,6 +112,11 @@ struct TickContacts {
 /// the tick (s) of a kinematic object, 0 of one that is static or asleep.
 Eigen::Vector3d velocityOf(const btCollisionObject& object, const btVector3& position, double tick);
 
+/// Returns the displacement (m) that gravity and forces add to the motion of a free body in a tick.
+inline Eigen::Vector3d fallOf(const btRigidBody& body, double tick) {
+  return tick * tick * double(body.getInvMass()) * toEigen(body.getTotalForce());
+}
+
 /// Returns a contact point on a rigid body: of kind Rigid if the body is free, which adds it to `rigids`,
 /// else of kind World.
 ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& object,

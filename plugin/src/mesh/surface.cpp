@@ -41,9 +41,7 @@ std::vector<HalfEdge> sortedHalfEdges(const std::vector<Triangle>& triangles) {
 
 std::vector<Edge> uniqueEdges(const std::vector<Triangle>& triangles) {
   std::vector<Edge> edges;
-  for (const HalfEdge& side : sortedHalfEdges(triangles)) {
-    if (edges.empty() || edges.back() != side.edge) edges.push_back(side.edge);
-  }
+  forEachEdge(triangles, [&](const Edge& edge, std::size_t) { edges.push_back(edge); });
   return edges;
 }
 

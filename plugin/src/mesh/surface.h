@@ -28,6 +28,19 @@ using Edge = std::array<std::uint32_t, 2>;
 
 inline Edge edgeBetween(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
+/// Calls visit(edge, number of its triangles) for the edges of the triangles, sorted.
+template <class Visit>
+void forEachEdge(const std::vector<Triangle>& triangles, Visit visit) {
+  std::vector<Edge> edges;
+  for (const Triangle& t : triangles)
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
+    while (last < edges.size() && edges[last] == edges[first]) ++last;
+    visit(edges[first], last - first);
+  }
+}
+
 /// Returns the edges of the triangles, sorted, each once. Corners of a triangle must differ.
 std::vector<Edge> uniqueEdges(const std::vector<Triangle>& triangles);
 

@@ -410,15 +410,10 @@ bool isPinched(const Sampled& sampled, const Vector3d& a, const Vector3d& b, dou
 
 /// Adds the edges in which solids touch, as triangles without area: there the solid has no thickness.
 void addPinches(const Source& source, const Sampled& sampled, Soup& thin) {
-  std::vector<Edge> edges;
-  for (const Triangle& t : source.triangles)
-    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
-    while (last < edges.size() && edges[last] == edges[first]) ++last;
-    const Vector3d &a = source.points[edges[first][0]], &b = source.points[edges[first][1]];
-    if (last - first > 2 && isPinched(sampled, a, b, 0.5 * source.thickness)) thin.add(a, b, b);
-  }
+  forEachEdge(source.triangles, [&](const Edge& edge, std::size_t uses) {
+    const Vector3d &a = source.points[edge[0]], &b = source.points[edge[1]];
+    if (uses > 2 && isPinched(sampled, a, b, 0.5 * source.thickness)) thin.add(a, b, b);
+  });
 }
 
 // --- rods --------------------------------------------------------------------------------------------------

@@ -217,15 +217,10 @@ double areaOf(const WeldedMesh& mesh) {
 
 /// Returns the length (m) of the edges of only one triangle.
 double borderLength(const WeldedMesh& mesh) {
-  std::vector<Edge> edges;
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
-  std::sort(edges.begin(), edges.end());
   double length = 0.0;
-  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
-    while (last < edges.size() && edges[last] == edges[first]) ++last;
-    if (last - first == 1) length += (mesh.points[edges[first][0]] - mesh.points[edges[first][1]]).norm();
-  }
+  forEachEdge(mesh.triangles, [&](const Edge& edge, std::size_t uses) {
+    if (uses == 1) length += (mesh.points[edge[0]] - mesh.points[edge[1]]).norm();
+  });
   return length;
 }
 
