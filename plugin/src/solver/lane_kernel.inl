@@ -28,7 +28,7 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
   body.tetrahedra = {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
   body.planes = {b.planes, b.planePoints, reinterpret_cast<Plane<Pack>*>(b.planeNumbers)};
   if (b.regionDistance) body.regions = {b.points, packs(b.regionCenter), packs(b.regionDistance)};
-  body.hasDampers = b.damped;
+  body.sweepCount = b.sweeps;
   body.dampHalf = b.dampHalf;
   body.dampFull = b.dampFull;
   body.contactCalls = b.contacts;

@@ -69,7 +69,7 @@ struct LaneBody {
   const unsigned* planePoints;
   double* planeNumbers;                         ///< #planes x a Plane of packs
   const double *regionCenter, *regionDistance;  ///< see SearchRegions; nullptr: not needed
-  bool damped;
+  int sweeps;                                   ///< over the dampers in a substep; 0: no dampers
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;
   double* change;       ///< output, one per lane, see computeForcesAndChange()
@@ -101,7 +101,7 @@ struct SpringBatchBody {
   double* inverseLength;  ///< output: 1/m, 0 while slack
   VolumeBody volumes;  ///< one number per component; 4 doubles per point in gradient, 8 per component in sums
   TetrahedronBody tetrahedra;
-  bool damped;
+  int sweeps;  ///< over the dampers in a substep; 0: no dampers
   const double *dampHalf, *dampFull;
   const ContactCalls* contacts;
 };

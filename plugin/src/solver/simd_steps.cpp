@@ -281,7 +281,7 @@ kernel::LaneBody laneBody(const Lanes& lanes, const kernel::ContactCalls& contac
   body.extensionStiffness = springs->extensionStiffness.data();
   body.compressionStiffness = springs->compressionStiffness.data();
   body.direction = numbers(s.direction);
-  body.damped = springs->damped;
+  body.sweeps = springs.sweeps;
   body.dampHalf = springs.dampHalf.data(), body.dampFull = springs.dampFull.data();
   body.volumes = laneVolumes(lanes);
   if (first.tetrahedra) body.tetrahedra = tetrahedronBody(*first.tetrahedra);

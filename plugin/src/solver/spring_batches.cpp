@@ -173,7 +173,7 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
   body.volumes = batchVolumes(q, stepped.volumes);
   body.tetrahedra = batchTetrahedra(q, stepped.tetrahedra);
-  body.damped = (*stepped.springs)->damped;
+  body.sweeps = stepped.springs->sweeps;
   body.contacts = contacts;
   return body;
 }

@@ -11,7 +11,7 @@ namespace {
 /// One body in the form that stepAlone() takes. Each point is a Quad x, y, z, 0.
 struct SpringBatchPoints {
   const SpringBatchBody& b;
-  bool damped() const { return b.damped; }
+  int sweeps() const { return b.sweeps; }
   const ContactCalls& contacts() const { return *b.contacts; }
 };
 
@@ -305,7 +305,7 @@ void driftBatchPoints(const SpringBatchBody& b, double dt, const BatchPoints& po
 }
 
 void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, Index begin, Index end) {
-  if (!body.damped) return;
+  if (body.sweeps == 0) return;
   const Quad* factors = springBatches(whole ? body.dampFull : body.dampHalf);
   if (body.strips.slots > 0) return dampStrips(body, factors, forward, begin / 4, end / 4);
   const SpringBatchBody b = body;

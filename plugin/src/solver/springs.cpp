@@ -230,16 +230,39 @@ double elasticEnergy(const SpringArrays& springs, const Points& position) {
 
 // --- dampers -----------------------------------------------------------------------------------------------
 
+namespace {
+
+constexpr double kLargestDamping = 1.0;
+constexpr int kMostSweeps = 16;
+
+/// Returns the number of sweeps in a substep of dt seconds.
+int sweepsFor(const SpringArrays& springs, const Points& inverseMass, double dt) {
+  double sum = 0.0;
+  std::size_t dampers = 0;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    if (springs->damping[i] == 0.0) continue;
+    sum += springs->damping[i] * inverseMassesOf(springs, inverseMass, i) * dt;
+    ++dampers;
+  }
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(dampers, 1));
+  return static_cast<int>(std::clamp(std::ceil(mean / kLargestDamping), 1.0, double(kMostSweeps)));
+}
+
+}  // namespace
+
 void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt) {
+  if (!springs->damped) springs.sweeps = 0;
   if (!springs->damped || springs.damperTime == dt) return;
   springs.damperTime = dt;
   ++springs.revision;
   springs.dampHalf.resize(springs.size());
   springs.dampFull.resize(springs.size());
+  springs.sweeps = sweepsFor(springs, inverseMass, dt);
+  const double time = dt / springs.sweeps;
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const DampingImpulses impulses = dampingImpulses(springs, inverseMass, i, dt);
-    springs.dampHalf[i] = impulses.half;
-    springs.dampFull[i] = impulses.full;
+    const double w = inverseMassesOf(springs, inverseMass, i), damping = springs->damping[i];
+    springs.dampHalf[i] = networkDampingImpulse(damping, w, 0.5 * time);
+    springs.dampFull[i] = networkDampingImpulse(damping, w, time);
   }
 }
 

@@ -332,7 +332,7 @@ struct Body {
   Points<V> points;
   Volumes<V> volumes;
   Tetrahedra<V> tetrahedra;
-  bool hasDampers;
+  int sweepCount;  ///< over the dampers in a substep; 0: no dampers
   const double* dampHalf;
   const double* dampFull;
   const ContactCalls* contactCalls;
@@ -340,7 +340,7 @@ struct Body {
   Planes<V> planes = {};
   SearchRegions<V> regions = {};
 
-  bool damped() const { return hasDampers; }
+  int sweeps() const { return sweepCount; }
   const ContactCalls& contacts() const { return *contactCalls; }
 };
 
@@ -397,6 +397,12 @@ inline V computeForcesAndChange(const Body<V>& body) {
   return sum[0] + (sum[1] + sum[2]);
 }
 
+/// Applies the dampers in successive sweeps, in alternating order: forward first, or backward.
+template <class Stepped>
+inline void dampInSweeps(const Stepped& body, bool whole, bool forward) {
+  for (int k = 0; k < body.sweeps(); ++k) dampAll(body, whole, (k % 2 == 0) == forward);
+}
+
 /// Implements stepVerlet() of verlet_step.h for bodies without links. `Stepped` is Body<V> or another type
 /// with the same functions (spring_kernel.inl). Returns the larger result of computeForcesAndChange() in
 /// the middle and the last substep (only the last if `substeps` is odd).
@@ -407,7 +413,7 @@ inline V stepAlone(const Stepped& body, double tick, int substeps) {
   bool calls = contacts.context && contacts.always;
   V change = all(V(), 0.0);
   computeForces(body);
-  if (body.damped()) dampAll(body, false, false);
+  dampInSweeps(body, false, false);
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
     kick(body, 0.5 * dt);
@@ -425,7 +431,7 @@ inline V stepAlone(const Stepped& body, double tick, int substeps) {
     if (calls) contacts.drag(contacts.context);
     settleAtPlanes(body);
     if (calls) contacts.settle(contacts.context);
-    if (body.damped()) dampAll(body, !last, s % 2 == 0);
+    dampInSweeps(body, !last, s % 2 == 0);
   }
   return change;
 }

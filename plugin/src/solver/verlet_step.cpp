@@ -56,9 +56,8 @@ void stepSingle(SolverBody& body, double tick, int substeps) {
       kernel::Body<double>{
           kernelSprings(springs), kernelPoints(state),
           body.volumes ? kernelVolumes(*body.volumes) : kernel::Volumes<double>{},
-          body.tetrahedra ? kernelTetrahedra(*body.tetrahedra) : kernel::Tetrahedra<double>{},
-          springs->damped, springs.dampHalf.data(), springs.dampFull.data(), &calls,
-          state.earlierForce.data()},
+          body.tetrahedra ? kernelTetrahedra(*body.tetrahedra) : kernel::Tetrahedra<double>{}, springs.sweeps,
+          springs.dampHalf.data(), springs.dampFull.data(), &calls, state.earlierForce.data()},
       tick, substeps);
   body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
 }
@@ -293,11 +292,22 @@ void computeForces(SolverIsland& group, Team& team) {
   addOtherForces(group, team);
 }
 
-void damp(SolverIsland& group, Team& team, double dt, bool whole, bool forward) {
-  forEachSlab(group, team, kernel::loadSlotVelocities);
+/// Applies the dampers of bodies that need more than `sweep` sweeps.
+void dampInSweep(SolverIsland& group, Team& team, int sweep, bool whole, bool forward) {
   for (std::size_t k = 0; k < Division::kPhases; ++k)
     forEach(group, team, group.parts.springs[forward ? k : Division::kPhases - 1 - k],
-            [&](BatchedBody& body, const BodyPart& part) { damp(body, part, whole, forward); });
+            [&](BatchedBody& body, const BodyPart& part) {
+              if (sweep < body.stepped->springs->sweeps) damp(body, part, whole, forward);
+            });
+}
+
+/// See dampInSweeps() of verlet_kernel.h.
+void damp(SolverIsland& group, Team& team, double dt, bool whole, bool forward) {
+  int sweeps = 0;
+  for (const SolverBody& body : group.bodies) sweeps = std::max(sweeps, body.springs->sweeps);
+  forEachSlab(group, team, kernel::loadSlotVelocities);
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    dampInSweep(group, team, sweep, whole, (sweep % 2 == 0) == forward);
   forEachSlab(group, team, kernel::unloadSlotVelocities);
   dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
 }
