@@ -71,6 +71,23 @@ TEST(Characters, walkAgainstACubeAndPushIt) {
   EXPECT_NEAR(cube->centerOfMass().y(), 0.5 + kRadius, 0.05);
 }
 
+TEST(Characters, thatAreWarpedPushNothingOnTheirWay) {
+  for (const double distance : {3.0, 6.0, 40.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    bullet.addPlaneFloor();
+    SoftBodySettings s = test::testedSettings();
+    s.position.y() = 0.5 + kRadius;
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    Character character(bullet, vec(-1.5, 0.8, 0));
+    bullet.simulate(1);
+    const double before = cube->centerOfMass().x();
+    character.controller.warp(vec(distance - 1.5, 0.8, 0));
+    bullet.simulate(0.5);
+    EXPECT_NEAR(cube->centerOfMass().x(), before, 1e-3) << distance;
+  }
+}
+
 /// The height (m) of the centre of a Character above its feet.
 constexpr double kCharacterHeight = 0.8;
 

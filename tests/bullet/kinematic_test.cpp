@@ -128,6 +128,69 @@ TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
   EXPECT_NEAR(cube->linearMomentum().x(), speed, 0.05);
 }
 
+TEST_P(KinematicIdioms, aBodyThatIsPlacedElsewherePushesNothingOnItsWay) {
+  for (const double distance : {3.0, 60.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    bullet.addPlaneFloor();
+    Mover mover(bullet, std::make_unique<btBoxShape>(vec(0.3, 0.3, 0.3)), at(vec(-1.5, 0.5, 0)), GetParam());
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    bullet.simulate(1.0);
+    const double before = cube->centerOfMass().x();
+    mover.moveTo(at(vec(distance - 1.5, 0.5, 0)));
+    bullet.simulate(0.5);
+    EXPECT_NEAR(cube->centerOfMass().x(), before, 1e-3) << distance;
+  }
+}
+
+TEST(PlacedKinematicBodies, pushNothingAtAnyDistance) {
+  for (const double distance : {0.2, 1.0, 3.0, 60.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    bullet.addPlaneFloor();
+    Mover mover(bullet, std::make_unique<btBoxShape>(vec(0.3, 0.3, 0.3)), at(vec(-0.9, 0.5, 0)),
+                Idiom::Placed);
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    bullet.simulate(1.0);
+    const double before = cube->centerOfMass().x();
+    // at 0.2 m, 8 cm deep inside the cube, and only pushed out
+    mover.moveTo(at(vec(distance - 0.9, 0.5, 0)));
+    mover.body()->setInterpolationWorldTransform(mover.body()->getWorldTransform());
+    double fastest = 0.0;
+    for (int i = 0; i < 30; ++i) {
+      bullet.tick();
+      fastest = std::max(fastest, std::abs(cube->linearMomentum().x()));
+    }
+    if (distance > 2.0) {
+      EXPECT_NEAR(cube->centerOfMass().x(), before, 1e-3) << distance;
+    }
+    EXPECT_LT(fastest, 3.0) << distance;
+  }
+}
+
+TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  Mover mover(bullet, std::make_unique<btSphereShape>(btScalar(0.1)), at(vec(0, 3, 0)), Idiom::Placed);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 3, 0};
+  SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
+  ASSERT_TRUE(system.attach(rope, 0, *mover.body()));
+  bullet.simulate(2.0);
+  const double energy = rope->kineticEnergy() + rope->elasticEnergy();
+  const Vector3d tip = rope->position(8);
+  const btVector3 away = vec(40, 5, -3);
+  mover.moveTo(at(vec(0, 3, 0) + away));
+  mover.body()->setInterpolationWorldTransform(mover.body()->getWorldTransform());
+  btTransform pose = rope->transform();
+  pose.setOrigin(pose.getOrigin() + away);
+  ASSERT_TRUE(rope->setTransform(pose));
+  bullet.tick();
+  EXPECT_LT((rope->position(8) - tip - Vector3d(40, 5, -3)).norm(), 0.2);
+  // it goes on swinging: in a tick gravity changes the energy by little
+  EXPECT_NEAR(rope->kineticEnergy() + rope->elasticEnergy(), energy, 0.3 * energy + 0.1);
+}
+
 /// With both of its poses in Bullet, as in games of endless roads and in rollbacks, between two steps in
 /// which it moves on. Bullet's velocity of it does not lead from its old place to the new one.
 TEST_P(KinematicIdioms, aMovingPlatformThatIsSetBackTakesACubeAlong) {

@@ -164,7 +164,7 @@ class LIMBER_API SoftBody {
   btTransform transform() const;
   /// Moves the body, pinned points included, to this transform() at once. Its deformation, velocity and
   /// angular velocity stay; the displacement gives it no velocity. Attached points are pulled back by their
-  /// bodies: detach them before.
+  /// bodies, unless these are placed elsewhere together with them: detach them before.
   Result<void> setTransform(const btTransform& transform);
   /// Gives all points that are not pinned the velocity of a rigid body: m/s, rad/s about transform()'s
   /// origin.

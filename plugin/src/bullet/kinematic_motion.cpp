@@ -42,6 +42,21 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
 
+double radiusOf(const btCollisionObject& object) {
+  btVector3 center;
+  btScalar radius;
+  object.getCollisionShape()->getBoundingSphere(center, radius);
+  return double(radius);
+}
+
+/// m, displacement of the middle of the object's shape from one pose to the other.
+double displacementOf(const btCollisionObject& object, const btTransform& from, const btTransform& to) {
+  btVector3 center;
+  btScalar radius;
+  object.getCollisionShape()->getBoundingSphere(center, radius);
+  return (to(center) - from(center)).length();
+}
+
 /// Returns the start pose of an object that is new in the world, or new at its place. Bullet's velocity
 /// contains its motion since then, but also a first placement. A displacement of more than half its size in a
 /// tick is taken for a placement.
@@ -50,23 +65,31 @@ btTransform startOfPlaced(const btCollisionObject& object, btScalar tick) {
   btTransform start;
   btTransformUtil::integrateTransform(target, -object.getInterpolationLinearVelocity(),
                                       -object.getInterpolationAngularVelocity(), tick, start);
-  btVector3 center;
-  btScalar radius;
-  object.getCollisionShape()->getBoundingSphere(center, radius);
-  return (start(center) - target(center)).length2() < btScalar(0.25) * radius * radius ? start : target;
+  return displacementOf(object, start, target) < 0.5 * radiusOf(object) ? start : target;
 }
 
-/// Returns whether the user has placed the object: its Bullet velocity is zero.
-bool isPlaced(const btCollisionObject& object) {
+/// Returns whether Bullet's velocity of an object is zero: the user has placed it with both of its poses, or
+/// Bullet does not update it.
+bool hasNoVelocity(const btCollisionObject& object) {
   return object.getInterpolationLinearVelocity().isZero() &&
          object.getInterpolationAngularVelocity().isZero();
+}
+
+/// Returns whether the object jumps: by more than half its size in a tick, at a speed that no motion has
+/// right after a slow one. A controller that warps its character does not say that this is no motion.
+bool jumps(const KinematicMotion& m, double lastDisplacement, btScalar tick) {
+  constexpr double kSlowest = 100.0, kFaster = 4.0;  // m/s, and times the last displacement
+  const double displacement = displacementOf(*m.object, m.start, m.target) / std::max(m.ticksLeft, 1);
+  if (displacement < radiusOf(*m.object)) return false;
+  return isCharacter(*m.object) ||
+         (displacement > kSlowest * double(tick) && displacement > kFaster * lastDisplacement);
 }
 
 KinematicMotion newMotion(btCollisionObject& object) {
   KinematicMotion motion;
   motion.object = &object;
   motion.id = object.getBroadphaseHandle()->m_uniqueId;
-  motion.target = motion.end = object.getWorldTransform();
+  motion.start = motion.end = motion.target = object.getWorldTransform();
   return motion;
 }
 
@@ -90,20 +113,26 @@ bool isReachedByVelocity(const KinematicMotion& m, btScalar tick) {
 
 /// Starts the motion to a new pose. Where Bullet's velocity does not lead there, the user has placed the
 /// object elsewhere, with both of its poses, before its motion in this step.
-void startMotion(KinematicMotion& m, btScalar tick) {
+void startMotion(KinematicMotion& m, double lastDisplacement, btScalar tick) {
   // it got to its last target, in fewer ticks than were expected
   if (m.ticksLeft > 0) m.start = m.target;
   m.target = m.object->getWorldTransform();
   m.ticksLeft = m.start == m.target ? 0 : ticksOf(m, tick);
-  if (m.ticksLeft == 0 || isPlaced(*m.object)) return;
-  if (!(m.object->getInterpolationWorldTransform() == m.target) || isReachedByVelocity(m, tick)) return;
-  m.start = startOfPlaced(*m.object, tick);
-  m.ticksLeft = 1;
+  if (m.ticksLeft == 0) return;
+  const bool known = m.object->getInterpolationWorldTransform() == m.target;
+  if (known && !isReachedByVelocity(m, tick)) {
+    m.start = startOfPlaced(*m.object, tick);
+    m.ticksLeft = 1;
+  } else if (jumps(m, lastDisplacement, tick)) {
+    m.start = m.target;
+    m.ticksLeft = 0;
+  }
 }
 
 void advance(KinematicMotion& m, btScalar tick) {
+  const double lastDisplacement = displacementOf(*m.object, m.start, m.end);
   m.start = m.end;
-  if (!(m.object->getWorldTransform() == m.target) || m.ticksLeft < 1) startMotion(m, tick);
+  if (!(m.object->getWorldTransform() == m.target) || m.ticksLeft < 1) startMotion(m, lastDisplacement, tick);
   m.end = m.ticksLeft > 1 ? interpolate(m.start, m.target, btScalar(1) / btScalar(m.ticksLeft)) : m.target;
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }
@@ -177,7 +206,7 @@ void KinematicMotions::follow(const btDiscreteDynamicsWorld& world, const Moving
     KinematicMotion motion = before ? *before : newMotion(object);
     if (!before)
       motion.end = startOfPlaced(object, tick);
-    else if (motion.recordedBetweenSteps && isPlaced(object))
+    else if (motion.recordedBetweenSteps && hasNoVelocity(object))
       motion.end = object.getWorldTransform();
     motion.recordedBetweenSteps = false;
     advance(motion, tick);

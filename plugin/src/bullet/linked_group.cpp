@@ -276,12 +276,32 @@ void gatherEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
   link.damping = spring.settings().damping;
 }
 
+/// Returns whether the points that are anchored to a kinematic body are nearer to where it was placed than to
+/// where it was: the user has placed them together. Otherwise the body pulls its points over within the tick.
+bool isPlacedWithItsPoints(const LinkedGroup& group, std::uint32_t rigid) {
+  const RigidPartner& partner = group.rigids[rigid];
+  if (!partner.held || !isKinematic(*partner.body)) return false;
+  const btTransform& place = partner.body->getWorldTransform();
+  double distance = 0.0, lastDistance = 0.0;  // m^2
+  for (const LinkAnchor& anchor : group.step.links.anchors) {
+    if (anchor.pivot.body != rigid) continue;
+    const SoftBodyData& body = *group.bodies[anchor.point.body];
+    const Eigen::Vector3d point = body.state.position.col(anchor.point.point);
+    distance += (point - toEigen(place(toBullet(anchor.pivot.pivot)))).squaredNorm();
+    lastDistance +=
+        (point - partner.start.position - partner.start.rotation * anchor.pivot.pivot).squaredNorm();
+  }
+  return distance < lastDistance;
+}
+
 void gatherGroup(LinkedGroup& group, btScalar tick) {
   for (std::size_t i = 0; i < group.springs.size(); ++i)
     gatherEnds(group.step.links.springs[i], *group.springs[i], double(tick));
   for (SoftBodyData* body : group.bodies) gatherContacts(*body, tick);
-  for (std::size_t i = 0; i < group.rigids.size(); ++i)
+  for (std::uint32_t i = 0; i < group.rigids.size(); ++i) {
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);
+    if (isPlacedWithItsPoints(group, i)) startFromPlace(group.rigids[i], group.step.links.rigids[i], tick);
+  }
 }
 
 void writeGroupToBullet(LinkedGroup& group, btScalar tick) {

@@ -25,17 +25,25 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
-/// A held body moves at constant velocity from its last pose to its present one.
+const btTransform& endPoseOf(const btRigidBody& body) {
+  return isKinematic(body) ? body.getInterpolationWorldTransform() : body.getWorldTransform();
+}
+
+/// A held body moves at constant velocity.
+RigidState movedFrom(const btTransform& start, const btTransform& end, btScalar tick) {
+  RigidState state;
+  state.position = toEigen(start.getOrigin());
+  state.rotation = toEigen(start.getRotation());
+  state.velocity = (toEigen(end.getOrigin()) - state.position) / double(tick);
+  state.angularVelocity = rotationBetween(state.rotation, toEigen(end.getRotation())) / double(tick);
+  return state;
+}
+
+/// It moves from its last pose to its present one.
 void gatherHeldRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
-  const btRigidBody& body = *partner.body;
-  const btTransform& pose =
-      isKinematic(body) ? body.getInterpolationWorldTransform() : body.getWorldTransform();
-  state = RigidState();
-  state.position = toEigen(partner.lastPose.getOrigin());
-  state.rotation = toEigen(partner.lastPose.getRotation());
-  state.velocity = (toEigen(pose.getOrigin()) - state.position) / double(tick);
-  state.angularVelocity = rotationBetween(state.rotation, toEigen(pose.getRotation())) / double(tick);
-  partner.lastPose = pose;
+  const btTransform& end = endPoseOf(*partner.body);
+  state = movedFrom(partner.lastPose, end, tick);
+  partner.lastPose = end;
 }
 
 /// Returns the change (rad/s) of the angular velocity that Bullet's solver makes for unequal moments of
@@ -100,6 +108,10 @@ void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   else
     gatherFreeRigid(partner, state, tick);
   partner.start = state;
+}
+
+void startFromPlace(RigidPartner& partner, RigidState& state, btScalar tick) {
+  state = partner.start = movedFrom(partner.body->getWorldTransform(), endPoseOf(*partner.body), tick);
 }
 
 void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {

@@ -45,6 +45,9 @@ RigidPartner makePartner(btRigidBody& body);
 /// Fills `state` from Bullet's body.
 void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
 
+/// Makes a kinematic body, while it is Rewound, start where it was placed instead of at its last pose.
+void startFromPlace(RigidPartner& partner, RigidState& state, btScalar tick);
+
 /// Like writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on the
 /// written velocity, where it is compensated, and on the velocity at the end.
 void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
