@@ -191,13 +191,13 @@ double calibrationOf(const TriangleMesh& mesh, std::size_t points) {
 /// neither was calibrated by: their moduli under uniform stress are equal by construction.
 void addBendingDrift(const Subject& subject, const SpringNetwork& coarse, const SpringNetwork& fine,
                      Results& results) {
-  const auto before = test::measureBendingModuli({coarse, coarse.stiffnessPerModulus});
-  const auto after = test::measureBendingModuli({fine, fine.stiffnessPerModulus});
+  const auto before = measureModuli({coarse, coarse.stiffnessPerModulus}).bending;
+  const auto after = measureModuli({fine, fine.stiffnessPerModulus}).bending;
   double meanBefore = 0.0, meanAfter = 0.0, worst = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    meanBefore += before[i] / 6.0;
-    meanAfter += after[i] / 6.0;
-    worst = std::max(worst, std::abs(after[i] / before[i] - 1.0));
+    meanBefore += before[i].modulus / 6.0;
+    meanAfter += after[i].modulus / 6.0;
+    worst = std::max(worst, std::abs(after[i].modulus / before[i].modulus - 1.0));
   }
   results.add(subject, "drift of bending", "%", 100.0 * std::abs(meanAfter / meanBefore - 1.0));
   results.add(subject, "drift of bending, worst load", "%", 100.0 * worst);

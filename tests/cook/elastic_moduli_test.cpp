@@ -73,10 +73,13 @@ TEST(ElasticModuli, openingTheCubeAcrossTwoFacesIsItsStretching) {
 /// scale as stresses do.
 TEST(ElasticModuli, ofBendingAreTheSameAboutAllAxesOfACube) {
   const SharedNetwork cube = test::closedCubeNetwork();
-  const std::array<double, 6> moduli = test::measureBendingModuli({*cube, 1000.0});
-  for (const double modulus : moduli) EXPECT_NEAR(modulus / moduli[0], 1.0, 1e-6);
-  const auto large = test::measureBendingModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)});
-  EXPECT_NEAR(large[0] / moduli[0], 0.5, 1e-6) << "twice the force on four times the area";
+  const auto bending = measureModuli({*cube, 1000.0}).bending;
+  for (const BendingModulus& b : bending) {
+    EXPECT_NEAR(b.modulus / bending[0].modulus, 1.0, 1e-6);
+    EXPECT_NEAR(b.slenderness, 1.0, 1e-12);
+  }
+  const auto large = measureModuli({*cube, 1000.0, 0.0, Eigen::Vector3d::Constant(2.0)}).bending;
+  EXPECT_NEAR(large[0].modulus / bending[0].modulus, 0.5, 1e-6) << "twice the force on four times the area";
 }
 
 /// The bending moduli of a homogeneous solid are its Young's modulus, for any shape and position.
@@ -84,8 +87,8 @@ TEST(ElasticModuli, ofBendingComeNearYoungsModulusOnAFineLattice) {
   MaterialMesh settings;
   settings.points = 4000;
   const SharedNetwork network = *buildMaterialNetwork(small_meshes::cube(1), settings);
-  for (const double modulus : test::measureBendingModuli({*network, network->stiffnessPerModulus}))
-    EXPECT_NEAR(modulus, 1.0, 0.06);
+  for (const BendingModulus& b : measureModuli({*network, network->stiffnessPerModulus}).bending)
+    EXPECT_NEAR(b.modulus, 1.0, 0.06);
 }
 
 TEST(FourthDegree, knowsIsotropyAndLengths) {

@@ -5,8 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-
 /// Measurements of elastic bodies, for tests and bench.
 namespace limber::test {
 
@@ -16,16 +14,6 @@ namespace limber::test {
 /// centres. 0 if either part is empty.
 double openingStiffness(const ElasticBody& body, const Eigen::Vector3d& positionA,
                         const Eigen::Vector3d& positionB, double radius);
-
-/// Returns the Young's moduli (Pa) of a body in bending, for six stresses of 1 Pa/m:
-///     s_aa = x_b - centre_b
-/// along each axis a, varying along each other axis b. Such a stress is in equilibrium without forces inside.
-/// On a homogeneous isotropic solid of any shape it does the work
-///     1/E integral of (x_b - centre_b)^2,
-/// so all six moduli equal its Young's modulus. Networks are calibrated by uniform stresses; their
-/// deviation here is the error of discretisation. The order of ab is xy xz yz yx zx zy. The network must have
-/// a closed surface.
-std::array<double, 6> measureBendingModuli(const ElasticBody& body);
 
 /// Returns a closed box of this size (m) around the origin, 12 triangles.
 TriangleMesh boxMesh(const Eigen::Vector3d& size);

@@ -129,9 +129,11 @@ LIMBER_API Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh,
 
 struct Material {
   double youngsModulus = 1e5;  ///< Pa, above 0
-  double poissonRatio = 0.25;  ///< from 0.25 (about the value of springs alone) to below 0.5 (by the volume
-                               ///< term)
-  double density = 1000.0;     ///< kg/m^3, above 0
+  /// From 0.25 (about the value of springs alone) to below 0.5 (by the volume term). Bodies of one or two
+  /// cells across get less, down to 0.3 for thin plates, where their volume term would stiffen bending by
+  /// more than 1.3
+  double poissonRatio = 0.25;
+  double density = 1000.0;  ///< kg/m^3, above 0
   /// s, 0 or more: viscosity over modulus (Kelvin, Voigt). An oscillation of w rad/s is damped at the ratio
   /// w dampingTime / 2 within 15 %, on coarse and fine networks alike. Default: the damping in the settings
   /// stays

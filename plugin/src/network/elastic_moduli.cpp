@@ -5,6 +5,7 @@
 
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
+#include "network/masses.h"
 
 #include <Eigen/Geometry>
 
@@ -124,11 +125,57 @@ Vector3d twiceAreaVector(const MatrixXd& points, const Triangle& t) {
   return (b - a).cross(c - a);
 }
 
-/// Returns the mean strain under each unit stress.
-std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
+std::vector<Vector3d> asVector(const MatrixXd& points) {
+  std::vector<Vector3d> result;
+  for (Index i = 0; i < points.cols(); ++i) result.push_back(points.col(i));
+  return result;
+}
+
+/// Adds the tractions of a stress along a direction that grows in proportion to the coordinate `across` of
+/// the points, integrated against linear shape functions. The force of a corner is area / 12 times the sum of
+/// the stresses at all corners, where its own stress counts twice.
+void addTractions(const MatrixXd& points, const Triangle& t, const Vector3d& along,
+                  const Eigen::RowVectorXd& across, Eigen::Ref<MatrixXd> forces) {
+  const double area = along.dot(twiceAreaVector(points, t)) / 2.0;
+  const double sum = across[t[0]] + across[t[1]] + across[t[2]];
+  for (const std::uint32_t corner : t)
+    forces.block<3, 1>(3 * Index(corner), 0) += area / 12.0 * (sum + across[corner]) * along;
+}
+
+/// The loads of a body's bending: stresses along each principal axis of the solid that grow across each
+/// other.
+struct BendingLoads {
+  MatrixXd forces;                       ///< 3 #points x 6
+  std::array<BendingModulus, 6> moduli;  ///< the modulus is still the work of a body of 1 Pa
+};
+
+BendingLoads bendingLoads(const SpringNetwork& network, const MatrixXd& points) {
+  const SolidMoments solid = solidMoments(asVector(points), network.surface);
+  const SymmetricParts3 principal = symmetricParts3(solid.second);
+  BendingLoads loads{MatrixXd::Zero(points.size(), 6), {}};
+  for (Index load = 0; load < 6; ++load) {
+    const Index along = load / 2, across = (along + 1 + load % 2) % 3;
+    const Eigen::RowVectorXd height =
+        principal.vectors.col(across).transpose() * (points.colwise() - solid.centre);
+    for (const Triangle& t : network.surface)
+      addTractions(points, t, principal.vectors.col(along), height, loads.forces.col(load));
+    loads.moduli[static_cast<std::size_t>(load)] = {
+        solid.volume * principal.values[across],
+        std::sqrt(principal.values[along] / principal.values[across])};
+  }
+  return loads;
+}
+
+/// The mean strain under each unit stress, and the response to bending.
+struct Responses {
+  std::array<Matrix3d, 6> strains;
+  std::array<BendingModulus, 6> bending;
+};
+
+Responses responsesOf(const ElasticBody& body) {
   const LinearResponse response(body);
   const MatrixXd& points = response.points();
-  MatrixXd forces = MatrixXd::Zero(points.size(), 6);
+  MatrixXd forces = MatrixXd::Zero(points.size(), 12);
   double volume = 0.0;
   for (const Triangle& t : body.network.surface) {
     const Vector3d area = twiceAreaVector(points, t) / 2.0;
@@ -137,29 +184,34 @@ std::array<Matrix3d, 6> meanStrains(const ElasticBody& body) {
       for (const std::uint32_t corner : t)
         forces.block<3, 1>(3 * corner, load) += unitStress(load) * area / 3.0;
   }
+  const BendingLoads bending = bendingLoads(body.network, points);
+  forces.rightCols<6>() = bending.forces;
   const MatrixXd u = response.displacements(forces);
-  std::array<Matrix3d, 6> strains;
+  Responses found;
   for (int load = 0; load < 6; ++load) {
     Matrix3d sum = Matrix3d::Zero();
     for (const Triangle& t : body.network.surface)
       for (const std::uint32_t corner : t)
         sum += u.block<3, 1>(3 * corner, load) * twiceAreaVector(points, t).transpose() / 6.0;
-    strains[static_cast<std::size_t>(load)] = (sum + sum.transpose()) / (2.0 * volume);
+    found.strains[static_cast<std::size_t>(load)] = (sum + sum.transpose()) / (2.0 * volume);
   }
-  return strains;
+  found.bending = bending.moduli;
+  for (Index load = 0; load < 6; ++load)
+    found.bending[static_cast<std::size_t>(load)].modulus /= forces.col(6 + load).dot(u.col(6 + load));
+  return found;
 }
 
 }  // namespace
 
 ElasticModuli measureModuli(const ElasticBody& body) {
-  const std::array<Matrix3d, 6> strains =
-      meanStrains({body.network, body.stiffness, body.volumeModulus, body.scale.cwiseAbs()});
+  const Responses found =
+      responsesOf({body.network, body.stiffness, body.volumeModulus, body.scale.cwiseAbs()});
   ElasticModuli moduli;
   for (int i = 0; i < kDirections; ++i) {
     const Vector3d d = direction(i);
     const std::array<double, 6> part = uniaxial(d);
     Matrix3d strain = Matrix3d::Zero();
-    for (std::size_t load = 0; load < 6; ++load) strain += part[load] * strains[load];
+    for (std::size_t load = 0; load < 6; ++load) strain += part[load] * found.strains[load];
     const double along = d.dot(strain * d);
     moduli.youngsModuli.push_back(1.0 / along);
     moduli.youngsModulus += 1.0 / (along * kDirections);
@@ -168,7 +220,8 @@ ElasticModuli measureModuli(const ElasticBody& body) {
   const auto [smallest, largest] =
       std::minmax_element(moduli.youngsModuli.begin(), moduli.youngsModuli.end());
   moduli.isotropy = *smallest / *largest;
-  moduli.bulkModulus = 1.0 / (strains[0] + strains[1] + strains[2]).trace();
+  moduli.bulkModulus = 1.0 / (found.strains[0] + found.strains[1] + found.strains[2]).trace();
+  moduli.bending = found.bending;
   return moduli;
 }
 

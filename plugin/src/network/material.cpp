@@ -38,27 +38,88 @@ struct UnitMaterial {
   double volumeModulus = 0.0;  ///< per Pa
 };
 
+/// How many times longer than thick a body must be for its bending to count.
+constexpr double kSlender = 3.0;
+
+/// A body with a volume term, measured.
+struct VolumeTrial {
+  double modulus = 0.0;  ///< Pa of the volume term beside springs of 1 Pa
+  double excess = 1.0;   ///< Young's modulus over that of the springs alone
+  double poissonRatio = 0.0;
+  double bending = 1.0;  ///< largest bending stiffness over Young's modulus, over that of the springs alone
+};
+
+/// Measures bodies of a network with different volume terms.
+class VolumeTrials {
+ public:
+  VolumeTrials(const SpringNetwork& network, const Eigen::Vector3d& scale)
+      : network_(&network),
+        scale_(scale),
+        reference_(measureModuli({network, network.stiffnessPerModulus}).youngsModulus),
+        springs_(measureModuli({network, network.stiffnessPerModulus, 0.0, scale})) {}
+
+  VolumeTrial at(double modulus) const {
+    const ElasticModuli moduli = measureModuli({*network_, network_->stiffnessPerModulus, modulus, scale_});
+    VolumeTrial trial{modulus, moduli.youngsModulus / reference_, moduli.poissonRatio, 1.0};
+    for (std::size_t i = 0; i < moduli.bending.size(); ++i)
+      if (springs_.bending[i].slenderness > kSlender)
+        trial.bending = std::max(trial.bending, moduli.bending[i].modulus / moduli.youngsModulus *
+                                                    springs_.youngsModulus / springs_.bending[i].modulus);
+    return trial;
+  }
+
+ private:
+  const SpringNetwork* network_;
+  Eigen::Vector3d scale_;
+  double reference_;
+  ElasticModuli springs_;
+};
+
 /// Springs alone have lambda = mu = 2/5 E; a volume term of modulus K adds K to lambda. With
 /// nu = lambda / (2 (lambda + mu)) that is  nu = (mu + K) / (2 (2 mu + K)),  so
 /// K = mu (4 nu - 1) / (1 - 2 nu). A network is a little softer than this estimate, so the target nu is
 /// corrected by the measured nu. stiffnessPerModulus holds without a volume term, at scale 1.
-UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
-                              const Eigen::Vector3d& scale) {
+VolumeTrial trialOf(const VolumeTrials& trials, double poissonRatio) {
   const double mu = 0.4;
-  const double reference = measureModuli({network, network.stiffnessPerModulus}).youngsModulus;
   double targetRatio = poissonRatio;
-  UnitMaterial unit;
+  VolumeTrial trial;
   for (int i = 0; i < kMaxMeasurements; ++i) {
-    // computed as if the springs were of 1 Pa; scaled below
-    const double modulus = mu * (4.0 * targetRatio - 1.0) / (1.0 - 2.0 * targetRatio);
-    const ElasticModuli moduli = measureModuli({network, network.stiffnessPerModulus, modulus, scale});
-    const double excess = moduli.youngsModulus / reference;
-    unit = {network.stiffnessPerModulus / excess, modulus / excess};
-    const double error = poissonRatio - moduli.poissonRatio;
+    trial = trials.at(mu * (4.0 * targetRatio - 1.0) / (1.0 - 2.0 * targetRatio));
+    const double error = poissonRatio - trial.poissonRatio;
     if (std::abs(error) < kPoissonError || (targetRatio <= 0.25 && error < 0.0)) break;
     targetRatio = std::clamp(targetRatio + error, 0.25, 0.5 * (targetRatio + 0.5));
   }
-  return unit;
+  return trial;
+}
+
+/// The factor by which the volume terms may stiffen a body against bending, and its tolerance. A plate bends
+/// up to 1.25 times harder at a Poisson ratio of 1/2 than at 1/4.
+constexpr double kLocking = 1.26, kLockingError = 0.04;
+
+/// Lowers the volume modulus until it stiffens the body by kLocking against bending. Where a body is one or
+/// two tetrahedra thick, all of them are on one side of the middle and change their volume when it bends:
+/// they lock. The excess e = bending - 1 grows with the modulus as  e = a K / (1 + b K),  so  1/e = 1/(a K) +
+/// b/a  is a line over 1/K.
+VolumeTrial unlocked(const VolumeTrials& trials, VolumeTrial stiffer) {
+  VolumeTrial trial = trials.at(stiffer.modulus / 8.0);
+  for (int i = 0; i < kMaxMeasurements && std::abs(trial.bending - kLocking) > kLockingError; ++i) {
+    const double x = 1.0 / trial.modulus, x0 = 1.0 / stiffer.modulus;
+    const double y = 1.0 / std::max(trial.bending - 1.0, 1e-3),
+                 y0 = 1.0 / std::max(stiffer.bending - 1.0, 1e-3);
+    const double inverse = x + (1.0 / (kLocking - 1.0) - y) * (x - x0) / (y - y0);
+    if (!(inverse > 0.0)) break;
+    stiffer = trial;
+    trial = trials.at(1.0 / inverse);
+  }
+  return trial;
+}
+
+UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
+                              const Eigen::Vector3d& scale) {
+  const VolumeTrials trials(network, scale);
+  VolumeTrial trial = trialOf(trials, poissonRatio);
+  if (trial.bending > kLocking + kLockingError) trial = unlocked(trials, trial);
+  return {network.stiffnessPerModulus / trial.excess, trial.modulus / trial.excess};
 }
 
 }  // namespace

@@ -47,14 +47,22 @@ class LinearResponse {
   Eigen::MatrixXd volumeResponse_;  ///< displacements under volumeGradient_ as force, without the volume term
 };
 
+/// The bending of a body by a stress along one principal axis of the solid that grows across another. It is
+/// in equilibrium without forces inside, so this is Young's modulus for a solid of any shape.
+struct BendingModulus {
+  double modulus = 0.0;      ///< Pa
+  double slenderness = 0.0;  ///< length of the body along the one axis over that along the other
+};
+
 /// Response of a body to small uniform stresses. For a homogeneous isotropic solid of any shape these are the
 /// constants of its material, in all directions.
 struct ElasticModuli {
-  std::vector<double> youngsModuli;  ///< Pa, for each of 40 directions
-  double youngsModulus = 0.0;        ///< Pa, their mean
-  double isotropy = 0.0;             ///< the smallest over the largest
-  double poissonRatio = 0.0;         ///< mean over the directions
-  double bulkModulus = 0.0;          ///< Pa
+  std::vector<double> youngsModuli;       ///< Pa, for each of 40 directions
+  double youngsModulus = 0.0;             ///< Pa, their mean
+  double isotropy = 0.0;                  ///< the smallest over the largest
+  double poissonRatio = 0.0;              ///< mean over the directions
+  double bulkModulus = 0.0;               ///< Pa
+  std::array<BendingModulus, 6> bending;  ///< of all pairs of axes
 };
 
 /// Applies uniform stresses to the surface, along and across the axes, and solves for the linear
