@@ -118,9 +118,9 @@ struct MaterialMesh {
 /// finite elements. So the body is equally stiff in all directions, and it and its limbs bend and twist as
 /// they should. At last all constants are scaled so that the measured Young's modulus equals the requested
 /// one (stiffnessPerModulus); plates of one or two cells, whose modulus differs with the direction, bend as
-/// they should instead. A bar with two cells across bends and twists within 10 % of beam theory. Mass
-/// fractions follow the volume of the tetrahedra, with a minimum of 0.2 of the mean. The render surface is
-/// the mesh with a skin. Concave surfaces are followed to about half a spacing. Takes 1 to 3 s for 300
+/// they should instead. A bar with two cells across bends within 10 % of beam theory, and twists within 20 %.
+/// Mass fractions follow the volume of the tetrahedra, with a minimum of 0.2 of the mean. The render surface
+/// is the mesh with a skin. Concave surfaces are followed to about half a spacing. Takes 1 to 3 s for 300
 /// points, half a minute for 6 000. Errors: those of weld(); a mesh that is not closed (with the number of
 /// its open edges; wrap() or cook() help) or encloses no volume; a component that is too thin for the
 /// lattice; sizes out of range; progress that returned false.

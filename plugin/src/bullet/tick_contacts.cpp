@@ -56,6 +56,16 @@ Eigen::Vector3d gyroscopicChange(const btRigidBody& body, btScalar tick) {
   return Eigen::Vector3d::Zero();
 }
 
+/// Returns whether the step can keep the body's angular momentum by itself. Bullet's implicit impulses lose
+/// energy, the more the longer the tick.
+bool isGyroscopic(const btRigidBody& body) {
+  const Eigen::Vector3d inverse = toEigen(body.getInvInertiaDiagLocal());
+  return (body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY ||
+          body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD) &&
+         toEigen(body.getAngularFactor()) == Eigen::Vector3d::Ones() && inverse.minCoeff() > 0.0 &&
+         inverse.minCoeff() < inverse.maxCoeff();
+}
+
 Eigen::Vector3d torqueAcceleration(const btRigidBody& body) {
   return toEigen(body.getInvInertiaTensorWorld() * body.getTotalTorque());
 }
@@ -78,7 +88,9 @@ void gatherFreeRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   state.velocity = toEigen(body.getLinearVelocity());
   state.angularVelocity = toEigen(body.getAngularVelocity());
   state.acceleration = toEigen(body.getTotalForce()) * double(body.getInvMass());
-  state.angularAcceleration = torqueAcceleration(body) + gyroscopicChange(body, tick) / double(tick);
+  state.gyroscopic = isGyroscopic(body);
+  state.angularAcceleration = torqueAcceleration(body);
+  if (!state.gyroscopic) state.angularAcceleration += gyroscopicChange(body, tick) / double(tick);
   state.inverseMass = toEigen(body.getLinearFactor()) * double(body.getInvMass());
   state.inverseInertiaLocal = toEigen(body.getInvInertiaDiagLocal());
   state.angularFactor = toEigen(body.getAngularFactor());

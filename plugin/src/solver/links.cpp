@@ -21,7 +21,20 @@ void RigidState::kick(double dt) {
 
 void RigidState::drift(double dt) {
   position += dt * velocity;
+  if (gyroscopic) return spin(dt);
   rotation = (rotationBy(dt * angularVelocity) * rotation).normalized();
+  turn();
+}
+
+void RigidState::spin(double dt) {
+  const Vector3d momentum =
+      rotation * (rotation.conjugate() * angularVelocity).cwiseQuotient(inverseInertiaLocal);
+  const auto velocityAt = [&](const Eigen::Quaterniond& q) -> Vector3d {
+    return q * (q.conjugate() * momentum).cwiseProduct(inverseInertiaLocal);
+  };
+  const Vector3d middle = velocityAt(rotationBy(0.5 * dt * angularVelocity) * rotation);
+  rotation = (rotationBy(dt * middle) * rotation).normalized();
+  angularVelocity = velocityAt(rotation);
   turn();
 }
 

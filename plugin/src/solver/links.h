@@ -25,8 +25,9 @@ struct RigidState {
   Eigen::Vector3d inverseMass = Eigen::Vector3d::Zero();          ///< 1/kg per axis; 0: held or static
   Eigen::Vector3d inverseInertiaLocal = Eigen::Vector3d::Zero();  ///< 1/(kg m^2), principal axes
   Eigen::Vector3d angularFactor = Eigen::Vector3d::Ones();        ///< 0 locks a world axis
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();                ///< N, from springs
-  Eigen::Vector3d torque = Eigen::Vector3d::Zero();               ///< N m, from springs
+  bool gyroscopic = false;  ///< its unequal moments of inertia change its angular velocity
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();           ///< N, from springs
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();          ///< N m, from springs
   Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes, see turn()
 
   /// Updates inverseInertia to the present rotation. Call it once the fields above are set; drift() calls it.
@@ -34,6 +35,9 @@ struct RigidState {
 
   void kick(double dt);
   void drift(double dt);
+
+  /// Rotates the body with constant angular momentum, by the midpoint rule.
+  void spin(double dt);
 
   /// Adds an impulse (N s) at `arm` (m) from the centre of mass.
   void applyImpulse(const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm) {
