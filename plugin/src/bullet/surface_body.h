@@ -201,9 +201,9 @@ void writeObject(SoftBodyData& body);
 /// Returns whether the user has moved the object or changed its velocity.
 bool isObjectChanged(const SoftBodyData& body);
 
-/// Applies the changes of the object to the points. The points also move by the change of velocity times
-/// `drift` (s).
-void readObject(SoftBodyData& body, double drift = 0.0);
+/// Applies the changes of the object to the points. With a `tick` (s), the changes of velocity have acted
+/// since its start, and the points move accordingly.
+void readObject(SoftBodyData& body, double tick = 0.0);
 
 /// Takes the forces on the object, which Bullet does not clear at the end of a stepSimulation().
 void takeObjectForces(SoftBodyData& body);

@@ -167,17 +167,36 @@ Vector3d centerOfFree(const PointState& s, const Points& positions) {
   return mass > 0.0 ? Vector3d(moment / mass) : moment;
 }
 
-/// Changes velocity and spin of the body when its points were at `places` (m). About the centre of those
-/// places the spin brings no momentum.
-void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin, const Points& places,
-            double drift) {
+/// Changes a point's position and velocity, along the axes along which it moves.
+void shift(PointState& s, Eigen::Index i, const Vector3d& displacement, const Vector3d& change) {
+  const auto moves = s.inverseMass.col(i).array() > 0.0;
+  s.position.col(i) += moves.select(displacement, 0.0).matrix();
+  s.velocity.col(i) += moves.select(change, 0.0).matrix();
+}
+
+/// Changes velocity and spin of the body.
+void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin) {
   PointState& s = body.state;
-  const Vector3d center = centerOfFree(s, places);
+  const Vector3d center = centerOfFree(s, s.position);
   forEachFree(s, [&](Eigen::Index i, double) {
-    const Vector3d change = velocity + spin.cross(Vector3d(places.col(i) - center));
-    const Vector3d allowed = (s.inverseMass.col(i).array() > 0.0).select(change, 0.0);
-    s.velocity.col(i) += allowed;
-    s.position.col(i) += drift * allowed;
+    shift(s, i, Vector3d::Zero(), velocity + spin.cross(Vector3d(s.position.col(i) - center)));
+  });
+}
+
+/// Changes velocity and spin of the body, which had the spin `before`, at the start of a tick of `tick`
+/// seconds that it has already gone through. It then is where a rigid body would be: turned by exp(tick
+/// (before + spin)) instead of exp(tick before). Displacements in proportion to the spin would stretch it by
+/// (tick spin)^2 / 2.
+void pushFromStart(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin, const Vector3d& before,
+                   double tick) {
+  PointState& s = body.state;
+  const RigidFit fit = fitRigid(body);
+  const Eigen::Quaterniond turn = rotationBy(tick * (before + spin)) * rotationBy(-tick * before);
+  forEachFree(s, [&](Eigen::Index i, double) {
+    const Vector3d arm = s.position.col(i) - fit.center, turned = turn * arm;
+    const Vector3d own = s.velocity.col(i) - fit.velocity - fit.spin.cross(arm);
+    const Vector3d moved = fit.velocity + velocity + (fit.spin + spin).cross(turned) + turn * own;
+    shift(s, i, tick * velocity + turned - arm, moved - s.velocity.col(i));
   });
 }
 
@@ -247,7 +266,7 @@ bool isObjectChanged(const SoftBodyData& body) {
                     object->getAngularVelocity() != left.spin || !(object->getWorldTransform() == left.pose));
 }
 
-void readObject(SoftBodyData& body, double drift) {
+void readObject(SoftBodyData& body, double tick) {
   if (!isObjectChanged(body)) return;
   btRigidBody& object = *body.surface.object;
   if (!isMotionFinite(object)) {
@@ -259,10 +278,13 @@ void readObject(SoftBodyData& body, double drift) {
   // an awake body keeps what rests on it awake
   if (body.asleep) wakeNeighbours(body, false);
   if (!(object.getWorldTransform() == left.pose)) moveObject(body, object.getWorldTransform());
+  const Vector3d velocity = difference(object.getLinearVelocity(), left.velocity);
+  const Vector3d spin = difference(object.getAngularVelocity(), left.spin);
   // a constraint has acted at the start of the tick
-  pushBy(body, difference(object.getLinearVelocity(), left.velocity),
-         difference(object.getAngularVelocity(), left.spin),
-         drift > 0.0 ? body.masses.startPosition : body.state.position, drift);
+  if (tick > 0.0)
+    pushFromStart(body, velocity, spin, toEigen(left.spin), tick);
+  else
+    pushBy(body, velocity, spin);
   body.sumsValid = false;
   leave(body);
   writeShared(body);
