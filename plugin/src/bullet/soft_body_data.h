@@ -145,7 +145,7 @@ struct SurfaceData {
   bool pushed = false;       ///< the user has applied a force or torque to the object before
   bool joined = false;       ///< the object is in a Bullet constraint
   std::vector<double> gaps;  ///< #contacts, scratch of readObjectFromBullet()
-  PointState meanState;      ///< scratch of writeObjectToBullet()
+  PointState meanState;      ///< scratch of writeObjectToBullet() and readObjectFromBullet()
   bool held = false;         ///< taken out of the simulation by Bullet or the user
   btVector3 gravity;         ///< m/s^2, gravity of the world that was last given to the points
   Points force;              ///< 3 x #points, N, in this stepSimulation(); empty until exposed or first used

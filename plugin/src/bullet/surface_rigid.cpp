@@ -353,6 +353,49 @@ void writeObjectToBullet(SoftBodyData& body, double tick) {
   leave(body);
 }
 
+namespace {
+
+/// Share of the radius by which a constraint may move points without a search for walls in their way.
+constexpr double kUnsearchedMotion = 0.25;
+
+/// The first rigid surface in the way of a point.
+struct FirstWall final : btCollisionWorld::ClosestRayResultCallback {
+  FirstWall(const SoftBodyData& b, std::uint32_t i, const Vector3d& from, const Vector3d& to)
+      : ClosestRayResultCallback(toBullet(from), toBullet(to)), body(&b), point(i) {}
+  const SoftBodyData* body;
+  std::uint32_t point;
+
+  bool needsCollision(btBroadphaseProxy* proxy) const override {
+    const auto& object = *static_cast<const btCollisionObject*>(proxy->m_clientObject);
+    return !isSoft(&object) && canHit(*body, *proxy) && canHit(*body, point, object);
+  }
+};
+
+/// Moves a point, which a constraint has moved from `before`, to the front of the wall in its way.
+void stopAtWall(SoftBodyData& body, std::uint32_t i, const Vector3d& before) {
+  auto x = body.state.position.col(i);
+  const double radius = radiusOf(body);
+  const Vector3d direction = Vector3d(x - before).stableNormalized();
+  FirstWall wall(body, i, before, x + radius * direction);
+  body.world->rayTest(wall.m_rayFromWorld, wall.m_rayToWorld, wall);
+  const Vector3d normal = toEigen(wall.m_hitNormalWorld), place = toEigen(wall.m_hitPointWorld);
+  if (!wall.hasHit() || !(normal.dot(direction) < 0.0)) return;
+  const double gap = normal.dot(x - place), allowed = std::min(radius, normal.dot(before - place));
+  if (gap < allowed) x += (allowed - gap) * normal;
+}
+
+/// Constraints of Bullet know nothing of the contacts of soft bodies: a mouse that pulls a body through a
+/// wall would leave its points behind it.
+void stopAtWalls(SoftBodyData& body, const Points& before) {
+  const double longest = (body.state.position - before).colwise().norm().maxCoeff();
+  if (!(longest > kUnsearchedMotion * radiusOf(body))) return;
+  forEachFree(body.state, [&](Eigen::Index i, double) {
+    for (int pass = 0; pass < 2; ++pass) stopAtWall(body, static_cast<std::uint32_t>(i), before.col(i));
+  });
+}
+
+}  // namespace
+
 void readObjectFromBullet(SoftBodyData& body, double tick) {
   if (!body.surface.joined || !isObjectChanged(body)) return readObject(body);
   const auto gapOf = [&](const PlaneContact& row) {
@@ -361,7 +404,10 @@ void readObjectFromBullet(SoftBodyData& body, double tick) {
   std::vector<double>& gaps = body.surface.gaps;
   gaps.clear();
   for (const PlaneContact& row : body.contacts) gaps.push_back(std::min(gapOf(row), 0.0));
+  Points& before = body.surface.meanState.position;
+  before = body.state.position;
   readObject(body, tick);
+  stopAtWalls(body, before);
   for (std::size_t r = 0; r < body.contacts.size(); ++r) {
     const PlaneContact& row = body.contacts[r];
     const double deeper = gaps[r] - gapOf(row);
