@@ -150,7 +150,7 @@ std::vector<KindInfo> userKinds() {
       {"velocity", {reference("of"), number("point", -1), vector("velocity", kSpeed), axial("spin", kSpin)}},
       {"teleport",
        {reference("of"), number("point", -1), vector("by", kLength), rotation("rotation"),
-        choice("how", "points surface motion-state")}},
+        choice("how", "points surface motion-state both-poses")}},
       {"destroy", {reference("of"), choice("how", "properly delete-object delete-point")}},
       {"leave", {reference("of"), number("point", -1)}},
       {"enter", {reference("of")}},

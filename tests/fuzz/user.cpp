@@ -276,6 +276,7 @@ void WorldPlayer::teleport(const Step& s) {
       body.setCenterOfMassTransform(to);
     else
       body.setWorldTransform(to);
+    if (s.choice("how") == "both-poses") body.setInterpolationWorldTransform(to);
     body.activate();
   };
   SoftBody* soft = livingSoft(s.whole("of"));
