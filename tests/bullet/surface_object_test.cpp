@@ -363,6 +363,44 @@ TEST(SurfaceObjects, picksDoNotPullThemThroughWalls) {
     }
 }
 
+/// A shelf bears a box, and a box on a soft cube stands on a plank: the joints' forces act in the same step
+/// as the contacts. They used to act after it, and pulled the shelf and the cube through what they touched.
+TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
+  for (const double tick : {1.0 / 240, 1.0 / 60})
+    for (const double mass : {0.2, 1.0, 5.0}) {
+      BulletWorld bullet;
+      SoftBodySystem system(*bullet.world);
+      bullet.addPlaneFloor();
+      SoftBodySettings s = test::testedSettings();
+      s.extensionStiffness = s.compressionStiffness = 1e4;
+      s.damping = 5.0;
+      s.position = {0, 2, 0};
+      SoftBody* shelf = *system.createBody(test::closedCubeNetwork(), s);
+      s.position = {5, 0.7, 0};
+      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      const double radius = kRadius;
+      btRigidBody* load = bullet.addBox(vec(0.4, 0.2, 0.4), mass, vec(0, 2.7 + radius, 0));
+      btRigidBody* plank = bullet.addBox(vec(1, 0.1, 1), 5.0, vec(5, 0.1, 0));
+      btRigidBody* top = bullet.addBox(vec(0.3, 0.1, 0.3), mass, vec(5, 1.5, 0));
+      btTransform up = btTransform::getIdentity();
+      up.setOrigin(vec(0, 0.8, 0));
+      btFixedConstraint hung(*shelf->surfaceObject(), btTypedConstraint::getFixedBody(),
+                             btTransform::getIdentity(),
+                             btTransform(btQuaternion::getIdentity(), vec(0, 2, 0)));
+      btFixedConstraint carried(*cube->surfaceObject(), *top, up, btTransform::getIdentity());
+      bullet.world->addConstraint(&hung, true);
+      bullet.world->addConstraint(&carried, true);
+      for (double t = 0.0; t < 3.0; t += tick) bullet.world->stepSimulation(btScalar(tick), 0);
+      SCOPED_TRACE(testing::Message() << mass << " kg, " << tick << " s");
+      EXPECT_NEAR(double(load->getWorldTransform().getOrigin().y()), 2.7 + radius, 0.02);
+      EXPECT_GT(test::lowest(*cube),
+                double(plank->getWorldTransform().getOrigin().y()) + 0.1 + radius - 0.02);
+      EXPECT_NEAR(double(top->getWorldTransform().getOrigin().y()), 1.5, 0.06);
+      bullet.world->removeConstraint(&hung);
+      bullet.world->removeConstraint(&carried);
+    }
+}
+
 /// A pendulum of a stiff cube. Displacements in proportion to the joint's spin stretched it: at 1/15 s it
 /// stored seven times the energy of its motion.
 TEST(SurfaceObjects, aJointDoesNotStretchThem) {

@@ -35,7 +35,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 3};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 4};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -157,6 +157,7 @@ struct BodyState {
   Stepper stepper = Stepper::Verlet;
   bool prefersImplicit = false;
   std::uint32_t restorations = 0;
+  Eigen::Vector3d jointLinear = Eigen::Vector3d::Zero(), jointAngular = Eigen::Vector3d::Zero();
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
   std::vector<std::uint64_t> touched, key;  ///< #impulses: index in the world of the partner, features
   std::vector<double> impulse;              ///< 4 x #impulses, N s
@@ -199,6 +200,8 @@ void transferState(Stream& stream, State& s) {
   stream.value("stepper", s.stepper);
   transferFlag(stream, "stepper", s.prefersImplicit);
   stream.value("restorations", s.restorations);
+  transferVector(stream, "joint linear", s.jointLinear);
+  transferVector(stream, "joint angular", s.jointAngular);
   transferVector(stream, "wind", s.lastWind);
   stream.array("touched objects", s.touched);
   stream.array("touched features", s.key);
@@ -301,6 +304,8 @@ BodyState stateOf(SoftBodyData& body) {
   saveSprings(body, s);
   if (isAlive(body)) saveImpulses(body, s);
   s.frame = body.surface.frame;
+  s.jointLinear = body.surface.joints.linear;
+  s.jointAngular = body.surface.joints.angular;
   s.asleep = body.asleep;
   s.calmTime = body.calmTime;
   s.errorPerSecond = body.errorPerSecond;
@@ -333,6 +338,8 @@ std::string checkState(const SoftBodyData& body, const BodyState& s) {
                             &s.yieldedLength, &s.softenedMass, &s.impulse, &s.startVelocity})
     for (const double number : *array)
       if (!(std::abs(number) <= kMaxSound)) return "the saved state has a number that is not finite";
+  if (!(s.jointLinear.norm() <= kMaxSound && s.jointAngular.norm() <= kMaxSound))
+    return "the saved state has a number that is not finite";
   if (!(std::abs(s.frame.norm() - 1.0) < 1e-6)) return "the saved state has a frame that is no rotation";
   if (s.settings.collision != body.settings.collision)
     return "the saved state is of a body with another kind of collision";
@@ -401,6 +408,8 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   restoreSprings(body, s);
   restoreImpulses(body, s);
   body.surface.frame = s.frame;
+  body.surface.joints = {s.jointLinear, s.jointAngular};
+  body.surface.joints.lastSet = JointMotion::kUnknown;
   body.calmTime = s.calmTime;
   body.errorPerSecond = s.errorPerSecond;
   body.errorCoefficient = s.errorCoefficient;

@@ -133,6 +133,22 @@ struct LeftObject {
   btVector3 velocity = btVector3(0, 0, 0), spin = btVector3(0, 0, 0);
 };
 
+/// The accelerations that Bullet's constraints gave a surface object in the last tick. Where the body touches
+/// free bodies, the step predicts the same for the next one: else these would bear nothing of what the
+/// constraints hold, and the constraints would pull the body through them.
+struct JointMotion {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s^2
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s^2
+  std::uint64_t set = kNone;                          ///< identifies the constraints, only of this process
+  std::uint64_t lastSet = kNone;                      ///< that of the last tick; kUnknown after a restoration
+
+  bool touches = false;  ///< the body has touched a free one in this tick
+
+  static constexpr std::uint64_t kNone = 0, kUnknown = 1;
+  bool isJoined() const { return set != kNone; }
+  bool isZero() const { return linear.isZero(0.0) && angular.isZero(0.0); }
+};
+
 /// The additional data of a body with Collision::Surface.
 struct SurfaceData {
   SurfaceObject* object = nullptr;  ///< nullptr: Collision::Points, or the application has deleted it
@@ -143,7 +159,7 @@ struct SurfaceData {
   Eigen::Vector3d objectForce = Eigen::Vector3d::Zero();      ///< N, on the object in this stepSimulation()
   Eigen::Vector3d objectTorque = Eigen::Vector3d::Zero();     ///< N m
   bool pushed = false;       ///< the user has applied a force or torque to the object before
-  bool joined = false;       ///< the object is in a Bullet constraint
+  JointMotion joints;        ///< of the object
   std::vector<double> gaps;  ///< #contacts, scratch of readObjectFromBullet()
   PointState meanState;      ///< scratch of writeObjectToBullet() and readObjectFromBullet()
   bool held = false;         ///< taken out of the simulation by Bullet or the user

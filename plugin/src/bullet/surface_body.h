@@ -208,21 +208,24 @@ void readObject(SoftBodyData& body, double tick = 0.0);
 /// Takes the forces on the object, which Bullet does not clear at the end of a stepSimulation().
 void takeObjectForces(SoftBodyData& body);
 
-/// Adds the forces on the object, which act in all ticks of a stepSimulation(), to the points' accelerations,
+/// Adds the forces on the object, which act in all ticks of a stepSimulation(), and the accelerations by its
+/// constraints (JointMotion) to the points' accelerations,
 /// at the start of a tick.
 void accelerateByObject(SoftBodyData& body);
 
 /// Discards the forces on the object of a sleeping body: they are lost, as for Bullet's bodies.
 void dropObjectForces(SoftBodyData& body);
 
-/// Marks the bodies whose objects are in Bullet's constraints (SurfaceData::joined).
-void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world);
+/// Finds the constraints of the bodies' objects. Forgets the motion that others gave them.
+void findJoints(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world);
 
-/// Sets the velocity of an object in a constraint to the mean velocity of the tick, before Bullet's solver.
+/// Sets the velocity of an object in a constraint to the mean velocity of the tick without the predicted
+/// effect of its constraints, before Bullet's solver. So the solver computes all of their impulses, which
+/// also act on the partners.
 void writeObjectToBullet(SoftBodyData& body, double tick);
 
-/// Applies the constraint's change of the object from the start of the tick, after Bullet's solver. It moves
-/// no point deeper into the surface of a contact.
+/// Applies the constraints' change of the object from the start of the tick, after Bullet's solver, as far as
+/// it differs from the predicted one. It moves no point deeper into the surface of a contact.
 void readObjectFromBullet(SoftBodyData& body, double tick);
 
 }  // namespace LIMBER_BULLET_PRECISION

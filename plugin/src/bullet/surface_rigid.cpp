@@ -312,11 +312,12 @@ void takeObjectForces(SoftBodyData& body) {
 void accelerateByObject(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   takeObjectForces(body);
-  if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;
+  if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0) && s.joints.isZero()) return;
   s.sweptBounds.tick = 0.0;
   const RigidFit fit = fitRigid(body);
   if (!(fit.mass > 0.0)) return;
-  const Vector3d linear = s.objectForce / fit.mass, angular = fit.inverseInertia * s.objectTorque;
+  const Vector3d linear = s.objectForce / fit.mass + s.joints.linear;
+  const Vector3d angular = fit.inverseInertia * s.objectTorque + s.joints.angular;
   forEachFree(body.state, [&](Eigen::Index i, double) {
     body.state.acceleration.col(i) +=
         linear + angular.cross(Vector3d(body.state.position.col(i) - fit.center));
@@ -329,27 +330,38 @@ void dropObjectForces(SoftBodyData& body) {
     object->clearForces();
 }
 
-void markJoined(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world) {
-  for (SoftBodyData* body : bodies) body->surface.joined = false;
+void findJoints(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world) {
+  constexpr std::uint64_t kPrime = 0x100000001b3u;
+  for (SoftBodyData* body : bodies) body->surface.joints.set = JointMotion::kNone;
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& joint = *world.getConstraint(i);
     if (!joint.isEnabled()) continue;
-    for (btRigidBody* end : {&joint.getRigidBodyA(), &joint.getRigidBodyB()})
-      if (SurfaceObject* object = SurfaceObject::from(end); object && object->owner())
-        object->owner()->surface.joined = true;
+    for (btRigidBody* end : {&joint.getRigidBodyA(), &joint.getRigidBodyB()}) {
+      SurfaceObject* object = SurfaceObject::from(end);
+      if (!object || !object->owner()) continue;
+      std::uint64_t& set = object->owner()->surface.joints.set;
+      set = kPrime * set + reinterpret_cast<std::uintptr_t>(&joint);
+    }
+  }
+  for (SoftBodyData* body : bodies) {
+    JointMotion& joints = body->surface.joints;
+    const bool isSame = joints.set == joints.lastSet || joints.lastSet == JointMotion::kUnknown;
+    if (!isSame || !joints.isJoined()) joints.linear.setZero(), joints.angular.setZero();
+    joints.lastSet = joints.set;
   }
 }
 
 void writeObjectToBullet(SoftBodyData& body, double tick) {
-  if (!body.surface.joined) return;
+  const JointMotion& joints = body.surface.joints;
+  if (!joints.isJoined()) return;
   const Points& start = body.masses.startPosition;
   PointState& mean = body.surface.meanState;
   mean.position = start;
   mean.velocity = (body.state.position - start) / tick;
   mean.inverseMass = body.state.inverseMass;
   const RigidFit motion = fitRigid(motionSums(mean, start, body.model->rest), start.col(0));
-  body.surface.object->setLinearVelocity(toBullet(motion.velocity));
-  body.surface.object->setAngularVelocity(toBullet(motion.spin));
+  body.surface.object->setLinearVelocity(toBullet(motion.velocity - tick * joints.linear));
+  body.surface.object->setAngularVelocity(toBullet(motion.spin - tick * joints.angular));
   leave(body);
 }
 
@@ -397,7 +409,18 @@ void stopAtWalls(SoftBodyData& body, const Points& before) {
 }  // namespace
 
 void readObjectFromBullet(SoftBodyData& body, double tick) {
-  if (!body.surface.joined || !isObjectChanged(body)) return readObject(body);
+  SurfaceData& surface = body.surface;
+  const JointMotion predicted = surface.joints;
+  if (!predicted.isJoined() || (predicted.isZero() && !isObjectChanged(body))) return readObject(body);
+  LeftObject& left = surface.left;
+  surface.joints.linear.setZero(), surface.joints.angular.setZero();
+  if (isMotionFinite(*surface.object) && surface.joints.touches) {
+    surface.joints.linear = difference(surface.object->getLinearVelocity(), left.velocity) / tick;
+    surface.joints.angular = difference(surface.object->getAngularVelocity(), left.spin) / tick;
+  }
+  // the step has already made the predicted part of the change
+  left.velocity += toBullet(tick * predicted.linear);
+  left.spin += toBullet(tick * predicted.angular);
   const auto gapOf = [&](const PlaneContact& row) {
     return row.normal.dot(body.state.position.col(row.point) - row.touch - tick * row.surfaceVelocity);
   };

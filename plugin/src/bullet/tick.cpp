@@ -139,7 +139,7 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   moving.clear();
   for (const LinkedGroup* group : awake)
     moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());
-  markJoined(moving, *world);
+  findJoints(moving, *world);
   parallel.setWorthwhile(isMuch(moving, parallel.fromSprings()));
 }
 

@@ -287,6 +287,7 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
   for (SoftBodyData* body : bodies) {
     body->storedImpulses.clear();
     body->surface.release = 0.0;
+    body->surface.joints.touches = false;
     for (std::size_t i = 0; i < body->contacts.size(); ++i) {
       const PlaneContact& row = body->contacts[i];
       if (!(row.impulse.along > 0.0)) continue;
@@ -298,8 +299,12 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
   }
   for (std::size_t i = 0; i < contacts.contacts.size(); ++i)
     if (const ContactSource& source = contacts.sources[i]; source.body) {
-      store(*source.body, source.partner, source.key, contacts.contacts[i]);
-      noteReleases(contacts, contacts.contacts[i], source);
+      const Contact& contact = contacts.contacts[i];
+      store(*source.body, source.partner, source.key, contact);
+      noteReleases(contacts, contact, source);
+      if (!(contact.impulse.along > 0.0) || contact.b.kind == ContactPoint::Kind::World) continue;
+      source.body->surface.joints.touches = true;
+      if (source.other) source.other->surface.joints.touches = true;
     }
   for (SoftBodyData* body : bodies) sortImpulses(body->storedImpulses);
 }

@@ -232,7 +232,8 @@ double elasticEnergy(const SpringArrays& springs, const Points& position) {
 
 namespace {
 
-constexpr double kLargestDamping = 1.0;
+/// Largest mean z of a sweep, see prepareDampers(), and largest number of sweeps in a substep.
+constexpr double kLargestMean = 1.0;
 constexpr int kMostSweeps = 16;
 
 /// Returns the number of sweeps in a substep of dt seconds.
@@ -245,7 +246,7 @@ int sweepsFor(const SpringArrays& springs, const Points& inverseMass, double dt)
     ++dampers;
   }
   const double mean = sum / static_cast<double>(std::max<std::size_t>(dampers, 1));
-  return static_cast<int>(std::clamp(std::ceil(mean / kLargestDamping), 1.0, double(kMostSweeps)));
+  return static_cast<int>(std::clamp(std::ceil(mean / kLargestMean), 1.0, double(kMostSweeps)));
 }
 
 }  // namespace
