@@ -52,6 +52,47 @@ WrappedMesh wrappedOrFail(const TriangleMesh& mesh, const WrapSettings& settings
   return std::move(*wrapped);
 }
 
+/// A box whose face towards z has a square hole.
+TriangleMesh boxWithHole(double size, double hole) {
+  TriangleMesh mesh = box(kOrigin, size * kOnes);
+  mesh.triangles.erase(mesh.triangles.begin() + 2, mesh.triangles.begin() + 4);
+  for (int i = 0; i < 4; ++i)
+    mesh.positions.push_back(
+        {i & 1 ? 0.5 * hole : -0.5 * hole, i & 2 ? 0.5 * hole : -0.5 * hole, 0.5 * size});
+  for (const auto& [a, b] : {std::pair(0u, 1u), std::pair(1u, 3u), std::pair(3u, 2u), std::pair(2u, 0u)}) {
+    mesh.triangles.push_back({4 + a, 4 + b, 8 + b});
+    mesh.triangles.push_back({4 + a, 8 + b, 8 + a});
+  }
+  return mesh;
+}
+
+/// A closed box-shaped bottle with walls of 0.1 and a neck of 0.2.
+TriangleMesh bottle() {
+  TriangleMesh inside = boxWithHole(0.8, 0.2);
+  for (Triangle& t : inside.triangles) std::swap(t[1], t[2]);
+  TriangleMesh mesh = joined(boxWithHole(1.0, 0.2), inside);
+  for (const auto& [a, b] : {std::pair(0u, 1u), std::pair(1u, 3u), std::pair(3u, 2u), std::pair(2u, 0u)}) {
+    mesh.triangles.push_back({8 + a, 8 + b, 20 + b});
+    mesh.triangles.push_back({8 + a, 20 + b, 20 + a});
+  }
+  return mesh;
+}
+
+/// Thick walls close the hole. The hollow behind is a piece of the surface, but none that needs a rod: one
+/// grew out of the grid and left holes.
+TEST(Wrap, hollowsGetNoRods) {
+  ASSERT_TRUE(weld(bottle())->report.watertight());
+  WrapSettings settings;
+  settings.connect = true;
+  settings.resolution = 0.02;
+  for (const double thickness : {0.1, 0.3, 0.4}) {
+    settings.thickness = thickness;
+    const WrappedMesh w = wrappedOrFail(bottle(), settings);
+    EXPECT_EQ(w.pieces, thickness > 0.2 ? 2u : 1u) << thickness;
+    EXPECT_EQ(w.rods, 0u) << thickness;
+  }
+}
+
 // a surface within half a cell of the mesh: its volume is within area / 2 cells of the box's
 TEST(Wrap, aClosedBoxKeepsItsVolume) {
   const WrappedMesh w = wrappedOrFail(box(kOrigin, kOnes));

@@ -421,16 +421,15 @@ void addPinches(const Source& source, const Sampled& sampled, Soup& thin) {
 /// Largest number of places of a piece between which rods are looked for.
 constexpr std::size_t kRodEnds = 64;
 
-/// Returns places spread over each piece.
+/// Returns places spread over each piece but the surfaces of hollows, which need no rod: it would end
+/// outside.
 std::vector<Points> rodEnds(const TriangleMesh& mesh) {
-  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
-  std::vector<Points> ends(pieces.count);
-  std::vector<std::size_t> triangles(pieces.count, 0), seen(pieces.count, 0);
-  for (const std::uint32_t piece : pieces.ofTriangle) ++triangles[piece];
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::uint32_t piece = pieces.ofTriangle[t];
-    const std::size_t stride = 1 + triangles[piece] / kRodEnds;
-    if (seen[piece]++ % stride == 0) ends[piece].push_back(mesh.positions[mesh.triangles[t][0]]);
+  std::vector<Points> ends;
+  for (const Triangles& piece : trianglesOfPieces(mesh)) {
+    if (signedVolume(mesh.positions, piece) <= 0.0) continue;
+    ends.emplace_back();
+    for (std::size_t t = 0; t < piece.size(); t += 1 + piece.size() / kRodEnds)
+      ends.back().push_back(mesh.positions[piece[t][0]]);
   }
   return ends;
 }
@@ -555,6 +554,7 @@ Result<WrappedMesh> wrapOfField(const TriangleMesh& mesh, const WrapSettings& se
   extractPieces(*grid, values, wrapped);
   if (settings.connect && wrapped.pieces > 1) {
     const Soup rods = findRods(wrapped.mesh, source->thickness);
+    if (rods.triangles.empty()) return wrapped;
     thicken(rods, source->thickness, *grid, values);
     wrapped.rods = rods.triangles.size();
     extractPieces(*grid, values, wrapped);

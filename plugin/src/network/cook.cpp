@@ -354,6 +354,9 @@ bool hasTooFewPoints(const Part& part, const Solid& solid, const TetrahedralMesh
          std::abs(signedVolume(filling.points, filling.surface)) > kMostGrown * solid.volume;
 }
 
+/// A filling of many more points than wanted, as this multiple, is no substitute: it may take hours.
+constexpr double kMostRough = 4.0;
+
 /// Fills a part with tetrahedra. Where these would miss something, thin parts are thickened to what the
 /// lattice can follow. It takes more points than the user wants, up to kMinPoints, if these are too few.
 Result<CookedFilling> fill(Builder& builder, const Part& part) {
@@ -386,7 +389,7 @@ Result<CookedFilling> fill(Builder& builder, const Part& part) {
   if (thickened) return taken(std::move(*thickened));
   // one that misses something is better than none
   Result<TetrahedralMesh> rough = fillWithPoints(solid->surface, static_cast<std::size_t>(points));
-  if (!rough) return Error{thickened.error()};
+  if (!rough || double(rough->points.size()) > kMostRough * points) return Error{thickened.error()};
   return taken({std::move(*rough), spacingFor(*solid, points), false, kRobustGrowth});
 }
 
