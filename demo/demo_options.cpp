@@ -2,6 +2,7 @@
 #include "demo_options.h"
 
 #include "number_checks.h"
+#include "scenes/networks.h"
 #include "scenes/scene_list.h"
 #include "window/command.h"
 
@@ -161,6 +162,11 @@ std::string conflict(const CommandLine& line) {
     return "--mesh goes with the scene mesh, not " + o.scene;
   for (const char* option : {"--feel", "--points", "--braces", "--connect", "--no-cache"})
     if (!meshScene && line.app->count(option) > 0) return std::string(option) + " goes with --mesh";
+  if (meshScene && scenes::isLimberFile(o.sceneOptions.meshFile))
+    if (std::string reason = without(line, {"--points", "--braces", "--connect", "--no-cache"},
+                                     "a .limber file, which is cooked already");
+        !reason.empty())
+      return reason;
   if (o.sceneOptions.scale && !scenes::findScene(o.scene)->takesScale) {
     return "--scale has no meaning in the scene " + o.scene;
   }

@@ -354,11 +354,15 @@ bool hasTooFewPoints(const Part& part, const Solid& solid, const TetrahedralMesh
          std::abs(signedVolume(filling.points, filling.surface)) > kMostGrown * solid.volume;
 }
 
+/// The ratio of the points that are tried to those that Limber has chosen, if these are too few.
+constexpr double kMostMore = 2.6;
+
 /// A filling of many more points than wanted, as this multiple, is no substitute: it may take hours.
 constexpr double kMostRough = 4.0;
 
 /// Fills a part with tetrahedra. Where these would miss something, thin parts are thickened to what the
-/// lattice can follow. It takes more points than the user wants, up to kMinPoints, if these are too few.
+/// lattice can follow. If the points are too few, it takes more of them, up to kMinPoints where the user has
+/// chosen their number, else up to kMostMore times as many.
 Result<CookedFilling> fill(Builder& builder, const Part& part) {
   const Result<Solid> solid = solidOf(builder, part);
   if (!solid) return Error{solid.error()};
@@ -375,7 +379,9 @@ Result<CookedFilling> fill(Builder& builder, const Part& part) {
   // as many as are allowed if the user has not chosen their number
   const double allowed = builder.settings.points > 0 ? 0.0 : kMaxPoints / wantedPoints(*solid);
   Result<CookedFilling> thickened = Error{};
-  for (double trial = points;; trial = std::min(kMinPoints, kEnough * trial)) {
+  const bool isChosen = builder.settings.points > 0;
+  const double enough = isChosen ? kMinPoints : std::min(kMaxPoints, kMostMore * points);
+  for (double trial = points;; trial = isChosen ? std::min(enough, kEnough * trial) : enough) {
     const double most = std::max(kMostExact, allowed) * trial;
     std::optional<CookedFilling> exact = fillPlate(builder, part, *solid, trial, most);
     if (!exact && builder.going) exact = fillExactly(builder, *solid, trial, most, follow);
@@ -383,7 +389,7 @@ Result<CookedFilling> fill(Builder& builder, const Part& part) {
     if (exact) return taken(std::move(*exact));
     thickened = fillThickened(builder, part, *solid, trial);
     if (!builder.going) return Error{kEnded};
-    if (builder.settings.points == 0 || trial >= kMinPoints) break;
+    if (trial >= enough) break;
     if (thickened && !hasTooFewPoints(part, *solid, thickened->mesh)) break;
   }
   if (thickened) return taken(std::move(*thickened));
@@ -501,7 +507,7 @@ std::string describeSolids(const Choices& c, const CookSettings& settings) {
   if (c.filled > 0) text += ", and its openings filled";
   if (c.thickened > 0) text += "; thin parts made as thick as the tetrahedra";
   if (c.volume > kHeavier * c.meshVolume && c.meshVolume > 0.0)
-    text += "; " + inThreeDigits(c.volume / c.meshVolume) + " times the volume of the mesh, and as heavy";
+    text += "; " + inThreeDigits(c.volume / c.meshVolume) + " times the volume and the mass of the mesh";
   return text;
 }
 
