@@ -27,12 +27,12 @@ void RigidState::drift(double dt) {
 }
 
 void RigidState::spin(double dt) {
-  const Vector3d momentum =
+  const Eigen::Vector3d momentum =
       rotation * (rotation.conjugate() * angularVelocity).cwiseQuotient(inverseInertiaLocal);
-  const auto velocityAt = [&](const Eigen::Quaterniond& q) -> Vector3d {
+  const auto velocityAt = [&](const Eigen::Quaterniond& q) -> Eigen::Vector3d {
     return q * (q.conjugate() * momentum).cwiseProduct(inverseInertiaLocal);
   };
-  const Vector3d middle = velocityAt(rotationBy(0.5 * dt * angularVelocity) * rotation);
+  const Eigen::Vector3d middle = velocityAt(rotationBy(0.5 * dt * angularVelocity) * rotation);
   rotation = (rotationBy(dt * middle) * rotation).normalized();
   angularVelocity = velocityAt(rotation);
   turn();
