@@ -42,7 +42,7 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
 
-double radiusOf(const btCollisionObject& object) {
+double boundingRadiusOf(const btCollisionObject& object) {
   btVector3 center;
   btScalar radius;
   object.getCollisionShape()->getBoundingSphere(center, radius);
@@ -65,7 +65,7 @@ btTransform startOfPlaced(const btCollisionObject& object, btScalar tick) {
   btTransform start;
   btTransformUtil::integrateTransform(target, -object.getInterpolationLinearVelocity(),
                                       -object.getInterpolationAngularVelocity(), tick, start);
-  return displacementOf(object, start, target) < 0.5 * radiusOf(object) ? start : target;
+  return displacementOf(object, start, target) < 0.5 * boundingRadiusOf(object) ? start : target;
 }
 
 /// Returns whether Bullet's velocity of an object is zero: the user has placed it with both of its poses, or
@@ -77,12 +77,14 @@ bool hasNoVelocity(const btCollisionObject& object) {
 
 /// Returns whether the object jumps: by more than half its size in a tick, at a speed that no motion has
 /// right after a slow one. A controller that warps its character does not say that this is no motion.
-bool jumps(const KinematicMotion& m, double lastDisplacement, btScalar tick) {
+/// `lastStart`, `lastEnd`: the poses of the tick before.
+bool jumps(const KinematicMotion& m, const btTransform& lastStart, const btTransform& lastEnd,
+           btScalar tick) {
   constexpr double kSlowest = 100.0, kFaster = 4.0;  // m/s, and times the last displacement
   const double displacement = displacementOf(*m.object, m.start, m.target) / std::max(m.ticksLeft, 1);
-  if (displacement < radiusOf(*m.object)) return false;
-  return isCharacter(*m.object) ||
-         (displacement > kSlowest * double(tick) && displacement > kFaster * lastDisplacement);
+  if (displacement < boundingRadiusOf(*m.object)) return false;
+  return isCharacter(*m.object) || (displacement > kSlowest * double(tick) &&
+                                    displacement > kFaster * displacementOf(*m.object, lastStart, lastEnd));
 }
 
 KinematicMotion newMotion(btCollisionObject& object) {
@@ -113,7 +115,8 @@ bool isReachedByVelocity(const KinematicMotion& m, btScalar tick) {
 
 /// Starts the motion to a new pose. Where Bullet's velocity does not lead there, the user has placed the
 /// object elsewhere, with both of its poses, before its motion in this step.
-void startMotion(KinematicMotion& m, double lastDisplacement, btScalar tick) {
+void startMotion(KinematicMotion& m, const btTransform& lastStart, btScalar tick) {
+  const btTransform lastEnd = m.start;
   // it got to its last target, in fewer ticks than were expected
   if (m.ticksLeft > 0) m.start = m.target;
   m.target = m.object->getWorldTransform();
@@ -123,16 +126,16 @@ void startMotion(KinematicMotion& m, double lastDisplacement, btScalar tick) {
   if (known && !isReachedByVelocity(m, tick)) {
     m.start = startOfPlaced(*m.object, tick);
     m.ticksLeft = 1;
-  } else if (jumps(m, lastDisplacement, tick)) {
+  } else if (jumps(m, lastStart, lastEnd, tick)) {
     m.start = m.target;
     m.ticksLeft = 0;
   }
 }
 
 void advance(KinematicMotion& m, btScalar tick) {
-  const double lastDisplacement = displacementOf(*m.object, m.start, m.end);
+  const btTransform lastStart = m.start;
   m.start = m.end;
-  if (!(m.object->getWorldTransform() == m.target) || m.ticksLeft < 1) startMotion(m, lastDisplacement, tick);
+  if (!(m.object->getWorldTransform() == m.target) || m.ticksLeft < 1) startMotion(m, lastStart, tick);
   m.end = m.ticksLeft > 1 ? interpolate(m.start, m.target, btScalar(1) / btScalar(m.ticksLeft)) : m.target;
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }

@@ -409,7 +409,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   restoreImpulses(body, s);
   body.surface.frame = s.frame;
   body.surface.joints = {s.jointLinear, s.jointAngular};
-  body.surface.joints.lastSet = JointMotion::kUnknown;
+  body.surface.joints.set = JointMotion::kUnknown;
   body.calmTime = s.calmTime;
   body.errorPerSecond = s.errorPerSecond;
   body.errorCoefficient = s.errorCoefficient;

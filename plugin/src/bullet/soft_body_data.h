@@ -139,10 +139,10 @@ struct LeftObject {
 struct JointMotion {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s^2
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s^2
-  std::uint64_t set = kNone;                          ///< identifies the constraints, only of this process
-  std::uint64_t lastSet = kNone;                      ///< that of the last tick; kUnknown after a restoration
-
-  bool touches = false;  ///< the body has touched a free one in this tick
+  std::uint64_t set = kNone;                          ///< identifies the constraints, in this process only;
+                                                      ///< kUnknown after a restoration
+  std::uint64_t lastSet = kNone;                      ///< that of the last tick
+  bool touches = false;                               ///< the body has touched a free one in this tick
 
   static constexpr std::uint64_t kNone = 0, kUnknown = 1;
   bool isJoined() const { return set != kNone; }

@@ -332,7 +332,11 @@ void dropObjectForces(SoftBodyData& body) {
 
 void findJoints(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world) {
   constexpr std::uint64_t kPrime = 0x100000001b3u;
-  for (SoftBodyData* body : bodies) body->surface.joints.set = JointMotion::kNone;
+  for (SoftBodyData* body : bodies) {
+    JointMotion& joints = body->surface.joints;
+    joints.lastSet = joints.set;
+    joints.set = JointMotion::kNone;
+  }
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& joint = *world.getConstraint(i);
     if (!joint.isEnabled()) continue;
@@ -345,9 +349,10 @@ void findJoints(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorl
   }
   for (SoftBodyData* body : bodies) {
     JointMotion& joints = body->surface.joints;
-    const bool isSame = joints.set == joints.lastSet || joints.lastSet == JointMotion::kUnknown;
-    if (!isSame || !joints.isJoined()) joints.linear.setZero(), joints.angular.setZero();
-    joints.lastSet = joints.set;
+    if (joints.set == joints.lastSet || (joints.isJoined() && joints.lastSet == JointMotion::kUnknown))
+      continue;
+    joints.linear.setZero();
+    joints.angular.setZero();
   }
 }
 
@@ -370,7 +375,7 @@ namespace {
 /// Share of the radius by which a constraint may move points without a search for walls in their way.
 constexpr double kUnsearchedMotion = 0.25;
 
-/// The first rigid surface in the way of a point.
+/// Finds the rigid surface that a point on its way hits first.
 struct FirstWall final : btCollisionWorld::ClosestRayResultCallback {
   FirstWall(const SoftBodyData& b, std::uint32_t i, const Vector3d& from, const Vector3d& to)
       : ClosestRayResultCallback(toBullet(from), toBullet(to)), body(&b), point(i) {}
@@ -383,18 +388,24 @@ struct FirstWall final : btCollisionWorld::ClosestRayResultCallback {
   }
 };
 
-/// Moves a point, which a constraint has moved from `before`, to the front of the wall in its way.
-void stopAtWall(SoftBodyData& body, std::uint32_t i, const Vector3d& before) {
+/// Moves a point, which a constraint has moved from `before` through a wall, back to its front. Returns
+/// whether there was one.
+bool stopAtWall(SoftBodyData& body, std::uint32_t i, const Vector3d& before) {
   auto x = body.state.position.col(i);
   const double radius = radiusOf(body);
   const Vector3d direction = Vector3d(x - before).stableNormalized();
   FirstWall wall(body, i, before, x + radius * direction);
   body.world->rayTest(wall.m_rayFromWorld, wall.m_rayToWorld, wall);
   const Vector3d normal = toEigen(wall.m_hitNormalWorld), place = toEigen(wall.m_hitPointWorld);
-  if (!wall.hasHit() || !(normal.dot(direction) < 0.0)) return;
+  if (!wall.hasHit() || !(normal.dot(direction) < 0.0)) return false;
   const double gap = normal.dot(x - place), allowed = std::min(radius, normal.dot(before - place));
-  if (gap < allowed) x += (allowed - gap) * normal;
+  if (!(gap < allowed)) return false;
+  x += (allowed - gap) * normal;
+  return true;
 }
+
+/// Number of walls that stop a point: two, in an edge of a room.
+constexpr int kMostWalls = 2;
 
 /// Constraints of Bullet know nothing of the contacts of soft bodies: a mouse that pulls a body through a
 /// wall would leave its points behind it.
@@ -402,7 +413,7 @@ void stopAtWalls(SoftBodyData& body, const Points& before) {
   const double longest = (body.state.position - before).colwise().norm().maxCoeff();
   if (!(longest > kUnsearchedMotion * radiusOf(body))) return;
   forEachFree(body.state, [&](Eigen::Index i, double) {
-    for (int pass = 0; pass < 2; ++pass) stopAtWall(body, static_cast<std::uint32_t>(i), before.col(i));
+    for (int n = 0; n < kMostWalls && stopAtWall(body, static_cast<std::uint32_t>(i), before.col(i));) ++n;
   });
 }
 

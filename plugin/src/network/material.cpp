@@ -55,11 +55,14 @@ class VolumeTrials {
   VolumeTrials(const SpringNetwork& network, const Eigen::Vector3d& scale)
       : network_(&network),
         scale_(scale),
-        reference_(measureModuli({network, network.stiffnessPerModulus}).youngsModulus),
-        springs_(measureModuli({network, network.stiffnessPerModulus, 0.0, scale})) {}
+        springs_(measureModuli({network, network.stiffnessPerModulus, 0.0, scale})),
+        reference_(scale == Eigen::Vector3d::Ones()
+                       ? springs_.youngsModulus
+                       : measureModuli({network, network.stiffnessPerModulus}).youngsModulus) {}
 
   VolumeTrial at(double modulus) const {
-    const ElasticModuli moduli = measureModuli({*network_, network_->stiffnessPerModulus, modulus, scale_});
+    const ElasticModuli moduli =
+        modulus > 0.0 ? measureModuli({*network_, network_->stiffnessPerModulus, modulus, scale_}) : springs_;
     VolumeTrial trial{modulus, moduli.youngsModulus / reference_, moduli.poissonRatio, 1.0};
     for (std::size_t i = 0; i < moduli.bending.size(); ++i)
       if (springs_.bending[i].slenderness > kSlender)
@@ -71,8 +74,8 @@ class VolumeTrials {
  private:
   const SpringNetwork* network_;
   Eigen::Vector3d scale_;
-  double reference_;
-  ElasticModuli springs_;
+  ElasticModuli springs_;  ///< without a volume term
+  double reference_;       ///< Pa, Young's modulus of the springs at scale 1
 };
 
 /// Springs alone have lambda = mu = 2/5 E; a volume term of modulus K adds K to lambda. With

@@ -47,9 +47,9 @@ struct SpringArrays {
   Points direction;              ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
   std::vector<double> dampHalf;  ///< kg, impulse per closing speed in a sweep of half a substep
   std::vector<double> dampFull;  ///< the same of a whole substep
-  int sweeps = 0;                ///< sweeps over the dampers in each substep, see sweepsFor(); 0: no dampers
-  double damperTime = 0.0;       ///< s, substep of dampHalf and dampFull; 0 after a change of an inverse mass
-  unsigned revision = 1;         ///< counts the changes of constants, dampers and inverse masses
+  int sweeps = 0;           ///< sweeps over the dampers in each substep, see prepareDampers(); 0: no dampers
+  double damperTime = 0.0;  ///< s, substep of dampHalf and dampFull; 0 after a change of an inverse mass
+  unsigned revision = 1;    ///< counts the changes of constants, dampers and inverse masses
 
   const SpringConstants* operator->() const { return yielded ? yielded.get() : &*original; }
   std::size_t size() const { return original->a.size(); }
