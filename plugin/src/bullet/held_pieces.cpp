@@ -446,7 +446,9 @@ void setHeldSide(const SurfaceCandidate& m, const SurfaceContact& c, double seco
     Vector3d displacement = Vector3d::Zero();
     for (std::size_t i = 0; i < 3; ++i)
       displacement += c.b.weights[static_cast<Eigen::Index>(i)] * m.part->motion.col(c.b.points[i]);
-    contact.b.velocity = displacement / seconds + spinOf(*m.held, tick).cross(radiusSum * c.normal);
+    const Vector3d mean = displacement / seconds + spinOf(*m.held, tick).cross(radiusSum * c.normal);
+    const SurfaceVelocity motion = surfaceVelocityOf(*m.held, tick * mean, c.normal, tick);
+    contact.b.velocity = motion.velocity, contact.b.acceleration = motion.acceleration;
   } else if (c.b.kind != FeatureKind::OnTriangle) {
     contact.corners.count = c.b.kind == FeatureKind::OnEdge ? 2 : 1;
     for (std::size_t i = 0; i < 2; ++i) contact.corners.at[i] = m.part->moving.position->col(c.b.points[i]);

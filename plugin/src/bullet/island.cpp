@@ -246,7 +246,7 @@ Contact contactOf(const PlaneContact& row, const SoftBodyData& body, std::uint32
   c.a.kind = ContactPoint::Kind::Soft;
   c.a.body = bodyIndex;
   c.a.point[0] = row.point;
-  c.b.velocity = row.surfaceVelocity;
+  c.b.velocity = row.surfaceVelocity, c.b.acceleration = row.surfaceAcceleration;
   static_cast<ContactBase&>(c) = row;
   c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);
   c.held = row.around ? &row : nullptr;

@@ -234,6 +234,20 @@ KinematicMotions::Rewound::~Rewound() {
   }
 }
 
+SurfaceVelocity surfaceVelocityOf(const btCollisionObject& object, const Eigen::Vector3d& displacement,
+                                  const Eigen::Vector3d& normal, double tick) {
+  SurfaceVelocity motion{displacement / tick};
+  const btTransform &start = object.getWorldTransform(), &end = object.getInterpolationWorldTransform();
+  if (!isMoved(object) || start.getBasis() == end.getBasis()) return motion;
+  const Eigen::Vector3d spin =
+      rotationBetween(toEigen(start.getRotation()), toEigen(end.getRotation())) / tick;
+  const Eigen::Vector3d turned = displacement - difference(end.getOrigin(), start.getOrigin());
+  const Eigen::Vector3d change = spin.cross(turned) / tick;
+  motion.acceleration = change - normal.dot(change) * normal;
+  motion.velocity -= 0.5 * tick * motion.acceleration;
+  return motion;
+}
+
 // --- objects that the broadphase has found -----------------------------------------------------------------
 
 namespace {

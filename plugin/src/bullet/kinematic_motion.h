@@ -107,6 +107,21 @@ inline Eigen::Vector3d kinematicDisplacement(const btCollisionObject& object,
   return toEigen(rotation) + difference(end.getOrigin(), start.getOrigin());
 }
 
+/// The motion of a position on an object in the tick, while it is Rewound.
+struct SurfaceVelocity {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s, at the tick's start
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< m/s^2
+};
+
+/// Returns the motion of a position that a kinematic object moves by `displacement` (m) in the tick. The
+/// object turns about its origin, which moves along a straight line:
+///     v(0) = V + w x r,    v(tick) = V + w x (r + d),    d = displacement - tick V
+/// where V is the velocity of the origin and w the angular velocity. Between them the velocity is linear in
+/// time. So that friction need not turn what it holds all at once at the start of a tick, only the
+/// acceleration across `normal` counts: along it, gaps are those of a straight motion.
+SurfaceVelocity surfaceVelocityOf(const btCollisionObject& object, const Eigen::Vector3d& displacement,
+                                  const Eigen::Vector3d& normal, double tick);
+
 // --- partners of the coming tick ---------------------------------------------------------------------------
 
 /// Fills surface.partners of every awake surface body of `system` with the objects that Bullet's broadphase

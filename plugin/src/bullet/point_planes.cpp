@@ -121,7 +121,9 @@ struct PlaneRows {
   void add(const Vector3d& normal, const btVector3& surface) {
     PlaneContact row = makeRow();
     row.normal = normal.normalized();
-    row.surfaceVelocity = kinematicDisplacement(partner, toEigen(surface)) / double(tick);
+    const SurfaceVelocity motion = surfaceVelocityOf(
+        partner, kinematicDisplacement(partner, toEigen(surface)), row.normal, double(tick));
+    row.surfaceVelocity = motion.velocity, row.surfaceAcceleration = motion.acceleration;
     row.touch = toEigen(surface) + (radius() - standingDepth(*body.world, partner, row.normal)) * row.normal;
     for (std::size_t i = first; i < body.contacts.size(); ++i)
       if (body.contacts[i].normal.dot(row.normal) > kSameSurface) {

@@ -425,6 +425,14 @@ ContactImpulse guess(const btManifoldPoint& point) {
           toEigen(t * point.m_appliedImpulseLateral1 + u * point.m_appliedImpulseLateral2)};
 }
 
+/// Completes the motion of a point on a kinematic object that turns.
+void setTurn(ContactPoint& side, const btCollisionObject& object, const Eigen::Vector3d& normal,
+             double tick) {
+  if (side.kind != ContactPoint::Kind::World || !isKinematic(object)) return;
+  const SurfaceVelocity motion = surfaceVelocityOf(object, tick * side.velocity, normal, tick);
+  side.velocity = motion.velocity, side.acceleration = motion.acceleration;
+}
+
 /// The contact's impulse is added to `reported`, which may be null.
 void addContact(TickContacts& found, const btPersistentManifold& manifold, const btManifoldPoint& point,
                 const ContactSpeeds& speeds, const ContactImpulse& guess, btManifoldPoint* reported) {
@@ -435,6 +443,8 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, const
   c.a = rigidContactPoint(found, a, onA);
   c.b = rigidContactPoint(found, b, onB);
   c.normal = toEigen(point.m_normalWorldOnB).normalized();
+  setTurn(c.a, a, c.normal, found.tick);
+  setTurn(c.b, b, c.normal, found.tick);
   c.gap = c.normal.dot(toEigen(onA) - toEigen(onB));
   c.friction = double(point.m_combinedFriction);
   c.restitution = double(point.m_combinedRestitution);

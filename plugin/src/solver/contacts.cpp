@@ -74,7 +74,7 @@ const double* scaledMass(IslandConstraints& rows, const double* inverseMass, dou
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const ContactPoint& side, double sign) {
-  const Vector3d speeds = inAxes(row, sign * side.velocity);
+  const Vector3d speeds = inAxes(row, sign * (side.velocity + rows.time * side.acceleration));
   row.surfaceSpeeds += {speeds[0], speeds[1], speeds[2]};
   if (side.kind == ContactPoint::Kind::World) return;
   if (side.kind == ContactPoint::Kind::Soft) {
@@ -427,6 +427,18 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
     if (contactOf(rows, i).restitution > 0.0) keepVelocity(rows, rows.rows[i]);
   numberNodes(rows, bodies);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
+  rows.turns = std::any_of(rows.contacts.begin(), rows.contacts.end(), [](const Contact& c) {
+    return !c.a.acceleration.isZero(0.0) || !c.b.acceleration.isZero(0.0);
+  });
+}
+
+void turnSurfaces(IslandConstraints& rows, double time) {
+  for (std::size_t i = 0; rows.turns && i < rows.rows.size(); ++i) {
+    const Contact& c = contactOf(rows, i);
+    const Vector3d change = inAxes(rows.rows[i], (time - rows.time) * (c.a.acceleration - c.b.acceleration));
+    rows.rows[i].surfaceSpeeds += {change[0], change[1], change[2]};
+  }
+  rows.time = time;
 }
 
 Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& velocity, double dt,

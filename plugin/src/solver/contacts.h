@@ -41,8 +41,10 @@ struct ContactPoint {
   std::array<double, 3> weight{1.0};                   ///< Soft, sum 1
   double massFactor = 1.0;                             ///< of the body's mass and inertia in this contact
   Eigen::Vector3d arm = Eigen::Vector3d::Zero();       ///< Rigid: m, from the centre of mass, world axes
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick; of the
-                                                       ///< surface, in addition to the body's motion
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s, at the tick's start; of the surface, in
+                                                       ///< addition to the body's motion
+  Eigen::Vector3d acceleration =
+      Eigen::Vector3d::Zero();  ///< m/s^2, World: of a surface that turns; across the normal
 };
 
 /// A corner, or both ends of an edge, of an object at rest that touches an edge or triangle of a soft body.
@@ -233,6 +235,8 @@ struct IslandConstraints {
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
       scaledMasses;            ///< 1/kg, inverse masses of points in contacts with a massFactor
+  double time = 0.0;           ///< s, since the tick's start, of the present substep's middle
+  bool turns = false;          ///< a contact has an acceleration
   double squaredMotion = 0.0;  ///< m^2/s^2, mean square of the island's velocities, see kRecoveryWork
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps; see
                             ///< also kExactSweeps (contact_solver.cpp)
@@ -254,6 +258,10 @@ inline RowBodies bodiesOf(const Contact& c, const LinkedBodies& bodies) {
 /// Computes the rows and their masses. Call it before the first substep of a tick, and when contacts have
 /// changed within the tick (see finishConstraints).
 void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies);
+
+/// Updates the speeds of surfaces that turn. `time` (s): since the tick's start, of the coming substep's
+/// middle.
+void turnSurfaces(IslandConstraints& rows, double time);
 
 /// Divides the rows of a large island into sets, by slabs across its longest axis: first the rows inside the
 /// slabs, then those between neighbours. Sets `order`, `sets` and `phases`. They do not depend on the number

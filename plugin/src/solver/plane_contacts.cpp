@@ -16,7 +16,7 @@ constexpr int kMaxBounces = 8;
 /// Brings the point's normal speed relative to the surface up to `target`, with friction against sliding.
 inline void applyRow(PlaneContact& row, const PointView& points, double target) {
   auto velocity = points.velocityOf(row.point);
-  const Eigen::Vector3d relative = velocity - row.surfaceVelocity;
+  const Eigen::Vector3d relative = velocity - row.surfaceVelocity - row.time * row.surfaceAcceleration;
   const double speed = row.normal.dot(relative);
   row.touching = speed < target && row.mass > 0.0;
   if (!row.touching) return;
@@ -35,6 +35,7 @@ inline double speedAlong(const PlaneContact& row, const PointView& points) {
 inline void setTarget(PlaneContact& row, const PointView& points, double time, double dt) {
   const double gap = row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
   row.target = minSpeed(gap, row.recoverySpeed, dt);
+  row.time = time + 0.5 * dt;
   row.bounces = false;
   if (!(row.restitution > 0.0)) return;
   const double before = row.normal.dot(row.surfaceVelocity - row.lastVelocity);

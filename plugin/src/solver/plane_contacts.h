@@ -62,10 +62,12 @@ struct ContactTarget {
 struct PlaneContact : ContactBase, ContactTarget {
   std::uint32_t point = 0;
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();  ///< m, the centre of a touching point at the tick's start
-  Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, constant over the tick;
-                                                              ///< of pieces at rest (a belt), across the
-                                                              ///< present normal
-  bool coupled = false;  ///< solved together with the contacts between bodies (contacts.h)
+  Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, at the tick's start; of pieces at rest
+                                                              ///< (a belt), across the present normal
+  Eigen::Vector3d surfaceAcceleration =
+      Eigen::Vector3d::Zero();  ///< m/s^2, of a surface that turns; across the normal
+  double time = 0.0;            ///< s, since the tick's start, of the present substep's middle
+  bool coupled = false;         ///< solved together with the contacts between bodies (contacts.h)
 
   HeldNeighbourhood* around = nullptr;  ///< followed pieces of a surface at rest; nullptr: the plane is fixed
   std::uint32_t owner = 0;              ///< of its pieces in `around`

@@ -359,6 +359,7 @@ void prepare(SolverIsland& group) {
   prepareAnchors(group.links);
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
+  group.pairs.time = 0.0;
   prepareConstraints(group.pairs, group.links);
 }
 
@@ -383,6 +384,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
     searchAgain(group, team, s, substeps, dt);
+    turnSurfaces(group.pairs, (s + 0.5) * dt);
     kickAndStop(group, team, s * dt, dt);
     followContacts(group.pairs, group.links, team, dt);
     solvePositions(group.pairs, group.links, team, dt, tick);
