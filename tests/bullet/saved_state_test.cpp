@@ -304,6 +304,24 @@ TEST(SavedState, changedSettingsAndMassesAreRestored) {
   EXPECT_FLOAT_EQ(float(body->point(0)->getFriction()), 0.25f);
 }
 
+/// A point's Bullet body has its forces in Bullet's precision.
+TEST(SavedState, forcesOnTheBodyActAlikeAfterItsPointsWereLookedAt) {
+  Scene scene;
+  scene.bullet.simulate(0.2);
+  const Bytes saved = scene.system.saveState();
+  const auto hash = [&] {
+    SoftBody& body = *scene.system.body(3);
+    EXPECT_TRUE(body.applyForce(vec(0.3, 0.7, 0.1)));
+    EXPECT_TRUE(body.applyTorque(vec(0.1, 0, 0.3)));
+    scene.bullet.tick();
+    return body.stateHash();
+  };
+  const std::uint64_t before = hash();
+  scene.system.body(3)->point(0);
+  ASSERT_TRUE(scene.system.restoreState(saved));
+  EXPECT_EQ(hash(), before);
+}
+
 TEST(SavedState, damagedBytesAreRefusedAndChangeNothing) {
   Scene scene;
   for (int i = 0; i < 10; ++i) scene.tick(i);

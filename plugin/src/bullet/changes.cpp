@@ -53,7 +53,8 @@ void writeToBullet(SoftBodyData& body, bool pinsMoved) {
   // the prediction is out of date
   body.surface.sweptBounds.tick = 0.0;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    if (!body.masses.exposed || (body.masses.held[i] && !pinsMoved)) continue;
+    const bool written = body.masses.held[i] ? pinsMoved : !body.masses.inFlight;
+    if (!body.masses.exposed || !written) continue;
     writePoint(body, i);
     remember(body.masses, i);
   }
@@ -82,6 +83,7 @@ void forgetPath(SoftBodyData& body) {
   forgetMotion(body);
   body.surface.contacts.clear();
   body.masses.startPosition = body.state.position;
+  body.masses.placed = true;
   body.energyLimit = EnergyLimit();
   body.rateHistory = RateHistory();
 }
@@ -488,6 +490,7 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
   changeObjects(body, before);
   forgetMotion(body);
   forgetSearches(body);
+  body.masses.placed = true;
   writeToBullet(body);
   updateQueryBoxes(body);
   wakeBody(body, false);

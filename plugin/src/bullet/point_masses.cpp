@@ -277,7 +277,7 @@ void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {
   PointMasses& m = body.masses;
   body.sumsValid = false;
   bool moved = m.changed;
-  m.changed = false;
+  m.changed = m.inFlight = false;
   for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
     PointMass& point = *m.bodies[i];
     point.keepCollisionFilter();
@@ -304,7 +304,7 @@ void writePoints(SoftBodyData& body) {
 }
 
 void absorbOutsideChanges(SoftBodyData& body) {
-  if (!body.masses.exposed) return;
+  if (!body.masses.exposed || body.masses.inFlight) return;
   body.sumsValid = false;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (!body.masses.bodies[i]) continue;
@@ -363,8 +363,15 @@ bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
   return false;
 }
 
+namespace {
+
+/// Returns whether the bodies differ from the state only where the application has changed them.
+bool isReadable(const PointMasses& masses) { return masses.exposed && !masses.inFlight; }
+
+}  // namespace
+
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
-  const PointMass* point = body.masses.exposed ? body.masses.bodies[i] : nullptr;
+  const PointMass* point = isReadable(body.masses) ? body.masses.bodies[i] : nullptr;
   if (!point) return body.state.position.col(i);
   return body.state.position.col(i) +
          difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
@@ -379,7 +386,7 @@ Eigen::Vector3d positionAt(const SoftBodyData& body, std::uint32_t i, double tic
 }
 
 Eigen::Vector3d currentVelocity(const SoftBodyData& body, std::uint32_t i) {
-  const PointMass* point = body.masses.exposed ? body.masses.bodies[i] : nullptr;
+  const PointMass* point = isReadable(body.masses) ? body.masses.bodies[i] : nullptr;
   if (!point || body.masses.held[i]) return body.state.velocity.col(i);
   return body.state.velocity.col(i) + difference(point->getLinearVelocity(), body.masses.leftVelocity[i]);
 }
@@ -400,6 +407,7 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   body.state.velocity.col(i) = pinned ? Eigen::Vector3d::Zero() : Eigen::Vector3d(body.state.velocity.col(i));
   point->setLinearVelocity(toBullet(body.state.velocity.col(i)));
   body.masses.held[i] = pinned;
+  body.masses.placed = true;
   remember(body.masses, i);
 }
 

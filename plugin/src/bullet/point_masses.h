@@ -83,7 +83,10 @@ struct PointMasses {
   std::vector<unsigned char> held;          ///< #points, 1: pinned, or held by the user
   bool changed = false;  ///< the user has changed a point since the last tick; the state has the change
   bool exposed = false;  ///< the application may have changed the bodies; false: they are not read or written
-  Points startPosition;  ///< 3 x #points, m, at the start of the tick
+  bool inFlight = false;  ///< in a tick: the bodies have the motion that Bullet solves, the state that of its
+                          ///< end, to which Bullet's impulses are added; only in a world
+  bool placed = false;    ///< in flight the user has placed the points: these impulses are of another place
+  Points startPosition;   ///< 3 x #points, m, at the start of the tick
   std::unique_ptr<PointMass> probe;  ///< represents any of the points in queries of Bullet's narrowphase;
                                      ///< created on first use
 };

@@ -404,6 +404,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.state.position = pointsOf(s.position);
   body.state.velocity = pointsOf(s.velocity);
   body.masses.startPosition = pointsOf(s.startPosition);
+  body.masses.placed = true;
   body.startVelocity = pointsOf(s.startVelocity);
   restoreSprings(body, s);
   restoreImpulses(body, s);

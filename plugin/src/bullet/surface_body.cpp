@@ -286,7 +286,7 @@ void collectForces(SoftBodyData& body) {
 
 void addForce(SoftBodyData& body, std::uint32_t i, const Eigen::Vector3d& force) {
   SurfaceData& s = body.surface;
-  if (body.masses.exposed) {
+  if (!isSurfaceBody(body)) {
     if (PointMass* point = body.masses.bodies[i]) point->applyCentralForce(toBullet(force));
     return;
   }

@@ -113,6 +113,7 @@ void gatherWorldPoints(SoftBodyData& body, btScalar tick) {
 
 void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
   PointMasses& m = body.masses;
+  m.inFlight = true, m.placed = false;
   for (std::uint32_t i = 0; i < m.bodies.size(); ++i) {
     if (m.held[i]) continue;
     PointMass& point = *m.bodies[i];
@@ -220,11 +221,12 @@ void stopAtFirstContact(SoftBodyData& body) {
 
 void finishWorldPoints(SoftBodyData& body, btScalar tick) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(BT_LARGE_FLOAT);
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+  body.masses.inFlight = false;
+  for (std::uint32_t i = 0; !body.masses.placed && i < body.masses.bodies.size(); ++i)
     if (!body.masses.held[i]) readFreePoint(body, i, tick);
   body.sumsValid = false;
   restoreIfUnsound(body);
-  stopAtFirstContact(body);
+  if (!body.masses.placed) stopAtFirstContact(body);
   writePoints(body);
 }
 
