@@ -338,5 +338,37 @@ TEST(SurfaceLife, aBodyWhoseObjectTheApplicationHasRemovedIsNotAlive) {
   ASSERT_TRUE(system.destroyBody(body));
 }
 
+/// A pool of bodies. `out`: ticks without the body; then it is added again, as any other or as Bullet's own.
+double heightOfPooled(int out, bool asRigid) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 20, 0};
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  for (int i = 0; i < 20; ++i) bullet.tick();
+  btRigidBody* object = body->surfaceObject();
+  if (out >= 0) {
+    const btBroadphaseProxy proxy = *object->getBroadphaseHandle();
+    bullet.world->removeRigidBody(object);
+    EXPECT_FALSE(body->alive());
+    for (int i = 0; i < out; ++i) bullet.tick();
+    if (asRigid)
+      bullet.world->addRigidBody(object, proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask);
+    else
+      bullet.world->addCollisionObject(object, proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask);
+    EXPECT_TRUE(body->alive());
+  }
+  for (int i = 0; i < 20; ++i) bullet.tick();
+  return body->centerOfMass().y();
+}
+
+TEST(SurfaceLife, aBodyThatTheApplicationAddsAgainFallsOn) {
+  if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
+  const double height = heightOfPooled(-1, false);
+  for (const int out : {0, 30})
+    for (const bool asRigid : {false, true})
+      EXPECT_EQ(heightOfPooled(out, asRigid), height) << out << asRigid;
+}
+
 }  // namespace
 }  // namespace limber

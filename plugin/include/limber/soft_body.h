@@ -58,7 +58,8 @@ class LIMBER_API SoftBody {
 
   /// Returns false after the application has deleted one of its point masses or its surface object, or
   /// removed it from the world (as the clean-up loop of Bullet's HelloWorld does), and once the world is
-  /// gone. The springs then no longer act.
+  /// gone. The springs then no longer act. If the application adds what it has removed again, the body is
+  /// alive at once and moves on from where it was.
   bool alive() const;
 
   // Of the user; the plugin does not read them. saveBodies() saves the name.
@@ -81,7 +82,8 @@ class LIMBER_API SoftBody {
   /// body as on a rigid body of its mass and inertia, from the next tick on, and Bullet's constraints may be
   /// attached to it. Its gravity and damping are those of the settings and the world. Like the points it has
   /// the flag CF_DISABLE_VISUALIZE_OBJECT, since the system draws the body. Deleting it or removing it from
-  /// the world disables the body (alive()). Returns nullptr with Collision::Points, or after it was deleted.
+  /// the world disables the body (alive()); adding it again revives it. Returns nullptr with
+  /// Collision::Points, or after it was deleted.
   btRigidBody* surfaceObject() const;
 
   /// Return the position (m) and velocity (m/s) of point i; NaN if there is no such point.

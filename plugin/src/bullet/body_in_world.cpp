@@ -282,7 +282,21 @@ bool wholeInWorld(const SoftBodyData& body) {
   return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
 }
 
-bool isAlive(const SoftBodyData& body) { return body.alive && wholeInWorld(body); }
+bool isAlive(SoftBodyData& body) {
+  if (!wholeInWorld(body)) return false;
+  const std::vector<PointMass*>& points = body.masses.bodies;
+  if (!body.alive && std::find(points.begin(), points.end(), nullptr) != points.end()) return false;
+  if (isSurfaceBody(body)) adoptObject(body);
+  if (body.alive) return true;
+  body.alive = true;
+  forgetMotion(body);
+  forgetSearches(body);
+  body.surface.contacts.clear();
+  body.masses.startPosition = body.state.position;
+  wakeBody(body, false);
+  *body.groupsStale = true;
+  return true;
+}
 
 void updateQueryBoxes(SoftBodyData& body) {
   if (isSurfaceBody(body)) return updateQueryBox(body);

@@ -78,8 +78,8 @@ bool anyInWorld(const SoftBodyData& body);
 /// Returns whether all of the body's objects are in a world that still exists.
 bool wholeInWorld(const SoftBodyData& body);
 
-/// See SoftBody::alive().
-bool isAlive(const SoftBodyData& body);
+/// See SoftBody::alive(). Revives a body whose objects the user has taken out of the world and added again.
+bool isAlive(SoftBodyData& body);
 
 /// Makes Bullet's queries find a body that was moved between ticks at its new place, before the next tick.
 void updateQueryBoxes(SoftBodyData& body);

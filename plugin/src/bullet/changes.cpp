@@ -435,7 +435,7 @@ void changeRadius(SoftBodyData& body) {
   if (body.surface.shape) body.surface.shape->setMargin(radius);
 }
 
-Result<void> checkChange(const SoftBodyData& body, const SoftBodySettings& s) {
+Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
   if (!isAlive(body)) return notAlive();
   if (Result<void> valid = validate(s); !valid) return Error{"settings: " + valid.error()};
   if (s.collision != body.settings.collision)

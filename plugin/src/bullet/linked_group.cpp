@@ -10,6 +10,7 @@
 #include "bullet/surface_body.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace limber {
@@ -241,7 +242,7 @@ void useSpringBatches(LinkedGroup& group) {
 
 bool isWhole(const LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
-    body->alive = body->alive && wholeInWorld(*body);
+    body->alive = body->alive && isAlive(*body);
     if (!body->alive) return false;
   }
   return true;
@@ -276,22 +277,37 @@ void gatherEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
   link.damping = spring.settings().damping;
 }
 
-/// Returns whether the points that are anchored to a kinematic body are nearer to where it was placed than to
-/// where it was: the user has placed them together. Otherwise the body pulls its points over within the tick.
+/// Squared errors (m^2) of the links of points with a held body, at two of its poses.
+struct LinkErrors {
+  double atPlace = 0.0, atLastPose = 0.0;
+
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& place, const Eigen::Vector3d& last,
+           double length) {
+    atPlace += std::pow((point - place).norm() - length, 2);
+    atLastPose += std::pow((point - last).norm() - length, 2);
+  }
+};
+
+/// Returns whether the links of points with a held body fit where it was placed much better than where it
+/// was: the user has placed both together. Otherwise the body pulls its points over within the tick.
 bool isPlacedWithItsPoints(const LinkedGroup& group, std::uint32_t rigid) {
   const RigidPartner& partner = group.rigids[rigid];
-  if (!partner.held || !isKinematic(*partner.body)) return false;
+  if (!partner.held) return false;
   const btTransform& place = partner.body->getWorldTransform();
-  double distance = 0.0, lastDistance = 0.0;  // m^2
-  for (const LinkAnchor& anchor : group.step.links.anchors) {
-    if (anchor.pivot.body != rigid) continue;
-    const SoftBodyData& body = *group.bodies[anchor.point.body];
-    const Eigen::Vector3d point = body.state.position.col(anchor.point.point);
-    distance += (point - toEigen(place(toBullet(anchor.pivot.pivot)))).squaredNorm();
-    lastDistance +=
-        (point - partner.start.position - partner.start.rotation * anchor.pivot.pivot).squaredNorm();
+  LinkErrors errors;
+  const auto add = [&](const LinkEnd& point, const LinkEnd& pivot, double length) {
+    if (point.kind != LinkEnd::Kind::Point || pivot.kind != LinkEnd::Kind::Rigid || pivot.body != rigid)
+      return;
+    errors.add(group.bodies[point.body]->state.position.col(point.point),
+               toEigen(place(toBullet(pivot.pivot))),
+               partner.start.position + partner.start.rotation * pivot.pivot, length);
+  };
+  for (const LinkAnchor& anchor : group.step.links.anchors) add(anchor.point, anchor.pivot, 0.0);
+  for (const LinkSpring& spring : group.step.links.springs) {
+    add(spring.a, spring.b, spring.restLength);
+    add(spring.b, spring.a, spring.restLength);
   }
-  return distance < lastDistance;
+  return 4.0 * errors.atPlace < errors.atLastPose;
 }
 
 void gatherGroup(LinkedGroup& group, btScalar tick) {

@@ -107,7 +107,8 @@ SurfaceObject::SurfaceObject(SoftBodyData* owner)
   keepCollisionFilter();
   // also clears the static flag, which Bullet sets for a mass of 0; this plugin draws soft bodies
   setCollisionFlags(CF_DISABLE_VISUALIZE_OBJECT);
-  setFlags(getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
+  // if the user adds the object to the world again, the world must not apply gravity to it
+  setFlags((getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) | BT_DISABLE_WORLD_GRAVITY);
 }
 
 SurfaceObject::~SurfaceObject() {
@@ -213,6 +214,13 @@ void dampPoints(SoftBodyData& body, double tick) {
   }
 }
 
+/// Calls the base class, because btDiscreteDynamicsWorld would move the object.
+void addObject(SoftBodyData& body, int group, int mask) {
+  SurfaceObject& object = *body.surface.object;
+  body.world->btCollisionWorld::addCollisionObject(&object, group, mask);
+  object.proxyId = object.getBroadphaseHandle()->m_uniqueId;
+}
+
 }  // namespace
 
 void addSurface(SoftBodyData& body) {
@@ -230,9 +238,15 @@ void addSurface(SoftBodyData& body) {
   s.sweptBounds = sweptBoundsOf(body, 0.0);
   s.gravity = gravityOf(body);
   setBox(body);
-  // calls the base class, because btDiscreteDynamicsWorld would move the object
-  body.world->btCollisionWorld::addCollisionObject(s.object, body.settings.collisionGroup,
-                                                   body.settings.collisionMask);
+  addObject(body, body.settings.collisionGroup, body.settings.collisionMask);
+}
+
+void adoptObject(SoftBodyData& body) {
+  SurfaceObject& object = *body.surface.object;
+  const btBroadphaseProxy proxy = *object.getBroadphaseHandle();
+  if (proxy.m_uniqueId == object.proxyId) return;
+  body.world->removeRigidBody(&object);
+  addObject(body, proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask);
 }
 
 void removeSurface(SoftBodyData& body) {

@@ -45,6 +45,9 @@ class SurfaceObject final : public OwnBody<SurfaceObject> {
   /// because it does not know the type of its shape.
   const char* serialize(void* data, btSerializer* serializer) const override;
 
+  /// Of the broadphase proxy with which addSurface() or adoptObject() added the object to the world.
+  int proxyId = 0;
+
   /// Enables checkCollideWithOverride(), see PointMass::keepCollisionFilter().
   void keepCollisionFilter() { m_checkCollideWith = 1; }
 
@@ -115,6 +118,10 @@ class SurfaceShape final : public btConcaveShape {
 
 /// Prepares the point masses, makes the object and adds it to the world.
 void addSurface(SoftBodyData& body);
+
+/// Takes over an object that the user has added to the world again, maybe as a rigid body, which Bullet
+/// moves.
+void adoptObject(SoftBodyData& body);
 
 /// Deletes the objects that the application has not deleted. Does not access a world that no longer exists.
 void removeSurface(SoftBodyData& body);

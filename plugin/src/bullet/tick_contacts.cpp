@@ -143,8 +143,10 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
 }
 
 void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
-  if (partner.held || !partner.body->isActive()) return;
+  if (partner.held) return;
   btRigidBody& body = *partner.body;
+  partner.lastPose = body.getWorldTransform();
+  if (!body.isActive()) return;
   const Eigen::Vector3d velocity = dampingFactor(body.getLinearDamping(), tick) * end.velocity;
   const Eigen::Vector3d spin = dampingFactor(body.getAngularDamping(), tick) * end.angularVelocity;
   body.setLinearVelocity(body.getLinearVelocity() - partner.expectedVelocity + toBullet(velocity));

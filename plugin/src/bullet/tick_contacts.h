@@ -33,7 +33,7 @@ struct RigidPartner {
   btRigidBody* body = nullptr;
   bool held = false;           ///< static, kinematic or out of the simulation
   ObjectHandle handle;         ///< of the body
-  btTransform lastPose;        ///< of a held body at the end of the last tick
+  btTransform lastPose;        ///< at the end of the last tick
   RigidState start;            ///< at the start of the tick
   btVector3 expectedVelocity;  ///< after the tick if nothing else acts
   btVector3 expectedAngularVelocity;
@@ -45,7 +45,8 @@ RigidPartner makePartner(btRigidBody& body);
 /// Fills `state` from Bullet's body.
 void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
 
-/// Makes a kinematic body, while it is Rewound, start where it was placed instead of at its last pose.
+/// Makes a held body, while kinematic ones are Rewound, start where it was placed instead of at its last
+/// pose.
 void startFromPlace(RigidPartner& partner, RigidState& state, btScalar tick);
 
 /// Like writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on the

@@ -307,9 +307,10 @@ void joinVelocities(LinkedBodies& bodies) {
   updateAnchors(bodies);
   for (int sweep = 0; sweep < kAnchorSweeps && !bodies.anchors.empty(); ++sweep) {
     double largest = 0.0;
-    for (const LinkAnchor& anchor : bodies.anchors) {
-      const Vector3d error = speedError(bodies, anchor, 0.0);
-      applyImpulse(bodies, anchor, -(anchor.mass * error));
+    for (LinkAnchor& anchor : bodies.anchors) {
+      const Vector3d error = speedError(bodies, anchor, 0.0), impulse = -(anchor.mass * error);
+      applyImpulse(bodies, anchor, impulse);
+      anchor.impulse += impulse;
       largest = std::max(largest, error.norm());
     }
     if (largest <= kAnchorTolerance) return;
