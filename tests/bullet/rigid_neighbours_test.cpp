@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 namespace limber {
@@ -339,6 +340,30 @@ struct GImpactTetrahedron {
   btGImpactMeshShape shape{&mesh};
   GImpactTetrahedron() { shape.updateBound(); }
 };
+
+/// Bullet finds one corner of a box on a plane in a tick, so at first the others sink in and must be pushed
+/// out, as slowly as Bullet would.
+TEST(RigidNeighbours, madeOnAPlaneUnderASoftBodyStayThere) {
+  for (const double stiffness : {1e3, 1e6})
+    for (const double half : {1.0, 5.0}) {
+      BulletWorld bullet;
+      SoftBodySystem system(*bullet.world);
+      bullet.addPlaneFloor();
+      btRigidBody* plank = bullet.addBox(vec(half, 0.1, half), 50.0, vec(0, 0.1, 0));
+      SoftBodySettings s = test::testedSettings();
+      s.position = {0, 0.7 + test::kRadius, 0};
+      s.pointRadius = test::kRadius;
+      s.extensionStiffness = s.compressionStiffness = stiffness;
+      s.damping = 0.02 * std::sqrt(stiffness);
+      ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+      double highest = 0.0;
+      for (int i = 0; i < 120; ++i) {
+        bullet.tick();
+        highest = std::max(highest, heightOf(*plank));
+      }
+      EXPECT_LT(highest, 0.1 + 1e-4) << stiffness << " " << half;
+    }
+}
 
 TEST(RigidNeighbours, ofGImpactShapesMayCarrySoftBodies) {
   // the collision algorithm of GImpact shapes frees the manifold at each of its calls

@@ -36,9 +36,11 @@ constexpr double kMinRecovery = 0.04;
 
 /// Limits the recovery speed of contacts between rigid bodies to that of Bullet's solver.
 void limitRecoverySpeed(IslandConstraints& pairs, double tick) {
+  const auto isSoft = [](const ContactPoint& side) { return side.kind == ContactPoint::Kind::Soft; };
   for (Contact& c : pairs.contacts)
-    c.recoverySpeed =
-        std::clamp(-kOverlapPerTick * c.gap / tick, kMinRecovery * c.recoverySpeed, c.recoverySpeed);
+    if (!isSoft(c.a) && !isSoft(c.b))
+      c.recoverySpeed =
+          std::clamp(-kOverlapPerTick * c.gap / tick, kMinRecovery * c.recoverySpeed, c.recoverySpeed);
 }
 
 /// Returns a speed (m/s): a small fraction of the largest speed, or of the largest change by gravity and
@@ -254,7 +256,7 @@ void stepIsland(Island& island, const TickContacts& found, double tick, ScratchP
   scaleWarmStart(island.step.pairs, substeps);
   island.step.pairs.tolerance = speedTolerance(island.step, tick);
   island.step.pairs.squaredMotion = squaredMotion(island.step);
-  if (island.softBodies.empty()) limitRecoverySpeed(island.step.pairs, tick);
+  limitRecoverySpeed(island.step.pairs, tick);
   island.start.clear();
   if (joined) island.start = island.step.links.rigids;
   const double before = joined ? energyOf(island.step) : 0.0;
