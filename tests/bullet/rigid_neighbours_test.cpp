@@ -341,6 +341,44 @@ struct GImpactTetrahedron {
   GImpactTetrahedron() { shape.updateBound(); }
 };
 
+/// A plate that a constraint fixes to a kinematic palm, which speeds up, carries a soft cube. The limit of
+/// the energy that joints add must not take the work of the palm.
+TEST(RigidNeighbours, onAnAcceleratingPalmMoveAsFastAsTheirVelocitySays) {
+  constexpr double kAcceleration = 0.5, kMass = 0.5;
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  btRigidBody* palm = bullet.addBox(vec(0.02, 0.02, 0.02), 0.0, vec(0, -3, 0));
+  palm->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  palm->setActivationState(DISABLE_DEACTIVATION);
+  btRigidBody* plate = bullet.addBox(vec(1, 0.01, 1), 0.2, vec(0, 0, 0));
+  plate->setActivationState(DISABLE_DEACTIVATION);
+  btTransform atPlate = btTransform::getIdentity();
+  btTransform atPalm(btQuaternion::getIdentity(), vec(0, 3, 0));
+  btFixedConstraint grip(*palm, *plate, atPalm, atPlate);
+  bullet.world->addConstraint(&grip, true);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.51 + test::kRadius, 0};
+  s.pointRadius = test::kRadius;
+  s.totalMass = kMass;
+  s.damping = 5.0;
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  double height = -3.0, speed = 0.0, last = 0.0, momentum = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    if (i > 30) speed += kAcceleration * test::kTick;
+    height += speed * test::kTick;
+    palm->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, height, 0)));
+    bullet.tick();
+    const double moved = heightOf(*plate) - last;
+    last = heightOf(*plate);
+    // heights of floats at 1 m, and the joint's correction of its error
+    EXPECT_NEAR(double(plate->getLinearVelocity().y()), moved / test::kTick, 1e-4) << i;
+    if (i >= 60) momentum += cube->linearMomentum().y();
+  }
+  // the mean of the last second
+  EXPECT_NEAR(momentum / 60.0, kMass * kAcceleration * 1.0, 0.01);
+  bullet.world->removeConstraint(&grip);
+}
+
 /// Bullet finds one corner of a box on a plane in a tick, so at first the others sink in and must be pushed
 /// out, as slowly as Bullet would.
 TEST(RigidNeighbours, madeOnAPlaneUnderASoftBodyStayThere) {

@@ -126,11 +126,11 @@ double workOfSurroundings(const Island& island) {
   return work;
 }
 
-/// Returns the work (J) of the joints' error correction.
-double workOfRecoveries(const Island& island, const TickContacts& found) {
+/// Returns the work (J) of a part of the joints' speeds.
+double workOf(double JointSource::*speed, const Island& island, const TickContacts& found) {
   double work = 0.0;
   for (std::size_t i = 0; i < island.joints.size(); ++i)
-    work += island.step.pairs.joints[i].impulse * found.jointSources[island.joints[i]].recovery;
+    work += island.step.pairs.joints[i].impulse * found.jointSources[island.joints[i]].*speed;
   return work;
 }
 
@@ -184,10 +184,12 @@ void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
     }
 }
 
-/// Removes the increase of the energy in the tick from the motion, as far as joints have caused it.
+/// Removes the increase of the energy in the tick from the motion, as far as joints have caused it by
+/// correcting their errors.
 void limitEnergy(Island& island, const TickContacts& found, double energyBefore) {
-  const double increase = energyOf(island.step) - energyBefore - workOfSurroundings(island);
-  const double excess = std::min(increase, workOfRecoveries(island, found));
+  const double outer = workOfSurroundings(island) + workOf(&JointSource::kinematic, island, found);
+  const double increase = energyOf(island.step) - energyBefore - outer;
+  const double excess = std::min(increase, workOf(&JointSource::recovery, island, found));
   if (!(excess > 0.0)) return;
   const CommonMotion motion = commonMotion(island.step);
   const double relative = relativeEnergy(island.step, motion);

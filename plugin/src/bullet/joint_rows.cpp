@@ -64,7 +64,15 @@ std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vect
   return JointConstraint::kHeld;
 }
 
-void addRow(btTypedConstraint& joint, const Row& row, btScalar tick, TickContacts& found) {
+/// Splits the speed of a row into that of error correction and that of a kinematic side. Bullet takes the
+/// error where the kinematic body is at the end of the tick, so its motion is also in the correction.
+JointSource sourceOf(btTypedConstraint& joint, const Row& row, double speed, double erp) {
+  const double error = double(row.error), kinematic = speed - error;
+  if (row.isDriven()) return {&joint, 0.0, kinematic, true};
+  return {&joint, error - erp * kinematic, (1.0 + erp) * kinematic, false};
+}
+
+void addRow(btTypedConstraint& joint, const Row& row, btScalar erp, btScalar tick, TickContacts& found) {
   JointConstraint j;
   j.linearA = toEigen(row.linearA), j.angularA = toEigen(row.angularA);
   j.linearB = toEigen(row.linearB), j.angularB = toEigen(row.angularB);
@@ -75,7 +83,7 @@ void addRow(btTypedConstraint& joint, const Row& row, btScalar tick, TickContact
   j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
   j.b = sideOf(joint.getRigidBodyB(), j.linearB, j.angularB, found, j.speed);
   found.joints.push_back(j);
-  found.jointSources.push_back({&joint, row.isDriven() ? 0.0 : double(row.error), row.isDriven()});
+  found.jointSources.push_back(sourceOf(joint, row, j.speed, double(erp)));
 }
 
 /// Adds a row against rotation of the two bodies of the last contact about `axis`. Its limit is `rolling` (m)
@@ -159,7 +167,7 @@ void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   const Rows middle = hasSprings ? readRows(joint, solver, tick, tick / 2) : Rows();
   Rows buffer = readRows(joint, solver, tick, 0);
   copySprings(middle, buffer);
-  for (int i = 0; i < buffer.count; ++i) addRow(joint, buffer.rows[i], tick, found);
+  for (int i = 0; i < buffer.count; ++i) addRow(joint, buffer.rows[i], solver.m_erp, tick, found);
 }
 
 // --- motors and springs during Bullet's solver -------------------------------------------------------------

@@ -69,6 +69,7 @@ struct ContactSource {
 struct JointSource {
   btTypedConstraint* constraint = nullptr;  ///< nullptr: rolling friction of a contact
   double recovery = 0.0;                    ///< m/s or rad/s, the speed of error correction
+  double kinematic = 0.0;                   ///< likewise, that of a kinematic side
   bool drives = false;                      ///< a motor or a spring: its impulse has both limits
 };
 
