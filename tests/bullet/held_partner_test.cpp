@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Anchors and springs to bodies that nothing moves but the user: static, kinematic and frozen ones.
+// Anchors and springs to bodies that nothing moves but the user: static, kinematic and frozen ones. Pins.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/tested_way.h"
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace limber {
 namespace {
@@ -118,6 +121,49 @@ TEST(HeldPartners, pullWithTheForceOfTheAcceleration) {
     }
     // all points move with the box; its heights are rounded
     EXPECT_NEAR(force, 2.0 * (9.81 + acceleration), 0.02);
+  }
+}
+
+// --- pins --------------------------------------------------------------------------------------------------
+
+/// Bodies whose shape springs, an inner pressure or tetrahedra keep.
+std::vector<std::pair<SharedNetwork, SoftBodySettings>> bodiesOnPins() {
+  SoftBodySettings s = test::testedSettings();
+  s.totalMass = 2.0;
+  s.damping = 3.0;
+  SoftBodySettings inflated = s;
+  inflated.pressure = 200.0;
+  return {{test::closedCubeNetwork(), s},
+          {test::closedCubeNetwork(), inflated},
+          {test::tetrahedralCubeNetwork(), s},
+          {test::clothNetwork(6, 6), s}};
+}
+
+/// The mean force in a second is the weight and the change of momentum per time, however the bodies swing.
+TEST(PinForce, bearsTheWeightAndChangesTheMomentum) {
+  constexpr double kShort = 1.0 / 240.0;
+  for (const auto& [network, settings] : bodiesOnPins()) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    SoftBody* body = *system.createBody(network, settings);
+    EXPECT_EQ(body->pinForce(0), vec(0, 0, 0));
+    for (const std::uint32_t i : {0u, 3u}) ASSERT_TRUE(body->pin(i));
+    bullet.simulate(2.0);
+    const std::uint64_t hash = body->stateHash();
+    const Eigen::Vector3d start = body->linearMomentum();
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (int i = 0; i < 240; ++i) {
+      // the forces of both ends of the tick
+      const auto force = [&] { return test::eigen(body->pinForce(0) + body->pinForce(3)); };
+      const Eigen::Vector3d before = force();
+      ASSERT_TRUE(i > 0 || body->stateHash() == hash);
+      bullet.tick(kShort);
+      mean += 0.5 * kShort * (before + force());
+    }
+    const Eigen::Vector3d expected = body->linearMomentum() - start + Eigen::Vector3d(0, 2.0 * 9.81, 0);
+    // the forces of a swing change by some percent in a tick, and the mean of both ends is right to second
+    // order
+    EXPECT_LT((mean - expected).norm(), 0.005 * 2.0 * 9.81);
   }
 }
 

@@ -141,6 +141,10 @@ class LIMBER_API SoftBody {
   bool attached(std::uint32_t i) const;
   /// Returns the mean force (N) of point i's anchor on the point in the last tick; 0 if it is not attached.
   btVector3 anchorForce(std::uint32_t i) const;
+  /// Returns the force (N) with which the pin holds point i against its springs, dampers, volume and weight,
+  /// at the present positions and velocities; 0 if it is not pinned. Drag, contacts and the inertia of a pin
+  /// that is moved do not count. Costs as much as a substep of the body.
+  btVector3 pinForce(std::uint32_t i) const;
 
   // --- changes while the body lives. Errors of all: a body that is not alive(); values that are not finite
   // or too large. All of them wake the body.

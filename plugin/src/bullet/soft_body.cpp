@@ -13,6 +13,7 @@
 #include "mesh/surface.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
+#include "solver/verlet_step.h"
 
 #include <limber/contacts.h>
 #include <limber/network_builder.h>
@@ -251,6 +252,38 @@ const PointState& current(SoftBodyData& data) {
 }
 
 }  // namespace
+
+namespace {
+
+/// Returns the force (N) of springs, dampers and volumes on point i. It is computed on copies, since the next
+/// step goes on from what the last one has written.
+Eigen::Vector3d innerForce(const SoftBodyData& body, const PointState& now, std::uint32_t i) {
+  PointState state = now;
+  SpringArrays springs = body.springs;
+  VolumeArrays volumes = body.volumes;
+  TetrahedronVolumes tetrahedra = body.tetrahedra;
+  SolverBody copy{&state, &springs, nullptr};
+  if (!volumes.empty()) copy.volumes = &volumes;
+  if (!tetrahedra.empty()) copy.tetrahedra = &tetrahedra;
+  computeElasticForces(copy);
+  Eigen::Vector3d force = state.force.col(i);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const std::uint32_t a = springs->a[s], b = springs->b[s];
+    if (a != i && b != i) continue;
+    const Eigen::Vector3d axis = springs.direction.col(static_cast<Eigen::Index>(s));
+    const Eigen::Vector3d opening = state.velocity.col(a == i ? b : a) - state.velocity.col(i);
+    force += springs->damping[s] * axis.dot(opening) * axis;
+  }
+  return force;
+}
+
+}  // namespace
+
+btVector3 SoftBody::pinForce(std::uint32_t i) const {
+  if (!pinned(i) || !alive()) return btVector3(0, 0, 0);
+  const btVector3 weight = data_->masses.bodies[i]->massBeforePin * gravityOf(*data_);
+  return -toBullet(innerForce(*data_, current(*data_), i)) - weight;
+}
 
 double SoftBody::totalMass() const { return limber::totalMass(current(*data_)); }
 Eigen::Vector3d SoftBody::centerOfMass() const { return limber::centerOfMass(current(*data_)); }
