@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 namespace limber {
 namespace {
@@ -193,12 +194,14 @@ std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
   return {double(first->getLinearVelocity().x()), double(second->getLinearVelocity().x())};
 }
 
-TEST(RigidNeighbours, onASpringOfNoForceHitEachOtherAsWithoutIt) {
-  for (const double speed : {0.5, 1.0, 3.0}) {
+TEST(RigidNeighbours, onASpringOfNoForceHitEachOtherAtLeastAsExactlyAsWithoutIt) {
+  // slower ones than 0.6 m/s are Bullet's alone
+  for (const double speed : {1.0, 2.0, 3.0}) {
     const auto with = speedsAfterAHit(speed, true), without = speedsAfterAHit(speed, false);
-    // the plugin solves in substeps what Bullet's solver solves once per tick
-    EXPECT_NEAR(with.first, without.first, 0.01 * speed) << speed;
-    EXPECT_NEAR(with.second, without.second, 0.01 * speed) << speed;
+    // of a hit without restitution both have half the speed; Bullet, which finds the hit a tick late, is off
+    // by 7 % of the speed, since it pushes the balls out of each other
+    for (const double now : {with.first, with.second}) EXPECT_NEAR(now, 0.5 * speed, 0.015 * speed) << speed;
+    EXPECT_LT(std::abs(with.first - 0.5 * speed), std::abs(without.first - 0.5 * speed)) << speed;
   }
 }
 
@@ -340,6 +343,75 @@ struct GImpactTetrahedron {
   btGImpactMeshShape shape{&mesh};
   GImpactTetrahedron() { shape.updateBound(); }
 };
+
+/// A board of 5 kg on four springs from the world, which are slack while it is higher, and a box of 50 kg
+/// `height` (m) above it.
+struct BoxAboveBoard {
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+  btRigidBody *board, *box;
+  std::vector<SpringConstraint*> springs;
+
+  BoxAboveBoard(double slack, double height, double stiffness, double damping) {
+    board = bullet.addBox(vec(0.5, 0.02, 0.5), 5.0, vec(0, 0, 0));
+    box = bullet.addBox(vec(0.2, 0.1, 0.2), 50.0, vec(0, 0.12 + height, 0));
+    for (btRigidBody* body : {board, box}) body->setActivationState(DISABLE_DEACTIVATION);
+    SpringSettings s;
+    s.restLength = 1.0;
+    s.stiffness = stiffness;
+    s.damping = damping;
+    s.action = SpringAction::ExtensionOnly;
+    for (int i = 0; i < 4; ++i) {
+      const double x = i % 2 ? 0.45 : -0.45, z = i / 2 ? 0.45 : -0.45;
+      springs.push_back(*system.addSpring({board, vec(x, 0, z)}, {nullptr, vec(x, 1.0 - slack, z)}, s));
+    }
+  }
+
+  double energy() const {
+    double sum = 0.0;
+    for (const btRigidBody* body : {board, box})
+      sum += (9.81 * heightOf(*body) + 0.5 * double(body->getLinearVelocity().length2())) /
+                 double(body->getInvMass()) +
+             0.5 * double(body->getAngularVelocity().dot(body->getInvInertiaTensorWorld().inverse() *
+                                                         body->getAngularVelocity()));
+    for (const SpringConstraint* spring : springs)
+      sum += 0.5 * spring->settings().stiffness * std::pow(std::max(0.0, spring->length() - 1.0), 2);
+    return sum;
+  }
+};
+
+/// Stiff springs turn the board around within a tick, while the box above it goes on.
+TEST(RigidNeighbours, onABoardThatSpringsStopGainNoEnergy) {
+  for (const double tick : {1.0 / 60.0, 1.0 / 120.0})
+    for (const double stiffness : {12500.0, 1e5}) {
+      BoxAboveBoard s(0.5, 0.0, stiffness, 5.0);
+      const double start = s.energy();
+      for (double time = 0.0; time < 0.9; time += tick) {
+        s.bullet.tick(tick);
+        // of 270 J of the fall; Bullet lets them fall half a tick too far
+        ASSERT_LT(s.energy(), start + 1.0) << stiffness << " " << tick << " at " << time;
+        ASSERT_GT(heightOf(*s.box) - heightOf(*s.board), 0.1) << stiffness << " " << tick << " at " << time;
+      }
+    }
+}
+
+/// What falls on the board is thrown back alike at any tick.
+TEST(RigidNeighbours, fallingOnABoardOnSpringsReboundAlikeAtAnyTick) {
+  for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0}) {
+    BoxAboveBoard s(-5.0 * 9.81 / 4.0 / 12500.0, 0.5, 12500.0, 50.0);
+    const double start = s.energy();
+    double lowest = 0.0, rebound = -1.0;
+    for (double time = 0.0; time < 0.9; time += tick) {
+      s.bullet.tick(tick);
+      ASSERT_LT(s.energy(), start + 1.0) << tick << " at " << time;
+      const double height = heightOf(*s.box) - 0.12;
+      lowest = std::min(lowest, height);
+      if (lowest < -0.05) rebound = std::max(rebound, height);
+    }
+    // 0.26 m converged
+    EXPECT_NEAR(rebound, 0.25, 0.03) << tick;
+  }
+}
 
 /// A plate that a constraint fixes to a kinematic palm, which speeds up, carries a soft cube. The limit of
 /// the energy that joints add must not take the work of the palm.

@@ -88,19 +88,19 @@ void addRow(btTypedConstraint& joint, const Row& row, btScalar erp, btScalar tic
 
 /// Adds a row against rotation of the two bodies of the last contact about `axis`. Its limit is `rolling` (m)
 /// times the contact's impulse.
-void addRotationRow(const btPersistentManifold& manifold, const Vector3d& axis, double rolling,
-                    TickContacts& found) {
+void addRotationRow(const btCollisionObject& a, const btCollisionObject& b, const Vector3d& axis,
+                    double rolling, TickContacts& found) {
   JointConstraint j;
   j.contact = static_cast<std::uint32_t>(found.contacts.size() - 1);
   j.rolling = rolling;
   j.linearA = j.linearB = Vector3d::Zero();
   j.angularA = axis, j.angularB = -axis;
-  const auto side = [&](const btCollisionObject* object, const Vector3d& angular) {
-    const btRigidBody* body = btRigidBody::upcast(object);
+  const auto side = [&](const btCollisionObject& object, const Vector3d& angular) {
+    const btRigidBody* body = btRigidBody::upcast(&object);
     return body ? sideOf(*body, Vector3d::Zero(), angular, found, j.speed) : JointConstraint::kHeld;
   };
-  j.a = side(manifold.getBody0(), j.angularA);
-  j.b = side(manifold.getBody1(), j.angularB);
+  j.a = side(a, j.angularA);
+  j.b = side(b, j.angularB);
   found.joints.push_back(j);
   found.jointSources.emplace_back();
 }
@@ -291,16 +291,17 @@ void forEachJoint(btDiscreteDynamicsWorld& world, const TickContacts& found, Vis
 
 }  // namespace
 
-void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found) {
+void addRollingRows(const btCollisionObject& a, const btCollisionObject& b, const btManifoldPoint& point,
+                    TickContacts& found) {
   const double rolling = double(point.m_combinedRollingFriction);
   const double spinning = double(point.m_combinedSpinningFriction);
   if (!(rolling > 0.0) && !(spinning > 0.0)) return;
   const Vector3d normal = toEigen(point.m_normalWorldOnB).normalized();
   const Vector3d across = normal.unitOrthogonal();
-  if (spinning > 0.0) addRotationRow(manifold, normal, spinning, found);
+  if (spinning > 0.0) addRotationRow(a, b, normal, spinning, found);
   if (!(rolling > 0.0)) return;
-  addRotationRow(manifold, across, rolling, found);
-  addRotationRow(manifold, normal.cross(across), rolling, found);
+  addRotationRow(a, b, across, rolling, found);
+  addRotationRow(a, b, normal.cross(across), rolling, found);
 }
 
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {

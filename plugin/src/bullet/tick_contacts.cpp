@@ -435,10 +435,11 @@ void setTurn(ContactPoint& side, const btCollisionObject& object, const Eigen::V
   side.velocity = motion.velocity, side.acceleration = motion.acceleration;
 }
 
-/// The contact's impulse is added to `reported`, which may be null.
-void addContact(TickContacts& found, const btPersistentManifold& manifold, const btManifoldPoint& point,
-                const ContactSpeeds& speeds, const ContactImpulse& guess, btManifoldPoint* reported) {
-  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+}  // namespace
+
+void addRigidContact(TickContacts& found, const btCollisionObject& a, const btCollisionObject& b,
+                     const btManifoldPoint& point, const ContactSpeeds& speeds, const ContactImpulse& guess,
+                     btManifoldPoint* reported) {
   const btVector3 onA = a.getWorldTransform() * point.m_localPointA;
   const btVector3 onB = b.getWorldTransform() * point.m_localPointB;
   Contact c;
@@ -456,8 +457,10 @@ void addContact(TickContacts& found, const btPersistentManifold& manifold, const
   ContactSource source;
   source.point = reported;
   found.add(c, source);
-  addRollingRows(manifold, point, found);
+  addRollingRows(a, b, point, found);
 }
+
+namespace {
 
 /// Returns an upper bound (m) of the relative motion of the surfaces in a tick.
 btScalar relativeMotion(const btPersistentManifold& manifold, btScalar tick) {
@@ -501,19 +504,26 @@ void refreshManifold(btDiscreteDynamicsWorld& world, const btPersistentManifold&
 /// solver ignores the manifold. The impulses of dropped points are reported at the nearest point.
 void addContacts(TickContacts& found, btPersistentManifold& manifold, const ContactSpeeds& speeds,
                  btScalar tick, RigidManifolds& history) {
+  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
   const bool isSlow = relativeMotion(manifold, tick) < manifold.getContactBreakingThreshold();
   const std::size_t extra = isSlow ? storePoints(manifold, history) : history.now.size();
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
     btManifoldPoint& point = manifold.getContactPoint(p);
-    addContact(found, manifold, point, speeds, isSlow ? guess(point) : ContactImpulse(),
-               isSlow ? &point : nullptr);
+    addRigidContact(found, a, b, point, speeds, isSlow ? guess(point) : ContactImpulse(),
+                    isSlow ? &point : nullptr);
   }
   for (std::size_t i = extra; i < history.now.size(); ++i) {
     const btManifoldPoint& point = history.now[i].point;
-    addContact(found, manifold, point, speeds, ContactImpulse(), nearest(manifold, point));
+    addRigidContact(found, a, b, point, speeds, ContactImpulse(), nearest(manifold, point));
   }
   if (isSlow) manifold.setContactProcessingThreshold(kIgnoredByBullet);
   clearImpulses(manifold);
+}
+
+/// Returns Bullet's own bounce threshold, and a recovery speed for a `size` (m).
+ContactSpeeds rigidSpeeds(const btDiscreteDynamicsWorld& world, double size, btScalar tick) {
+  return {recoverySpeed(size, double(world.getGravity().length()), double(tick)),
+          double(world.getSolverInfo().m_restitutionVelocityThreshold)};
 }
 
 /// Adds the contacts of rigid body `number` with others, except those that earlier bodies have added.
@@ -530,12 +540,23 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
     const std::uint32_t theirs = rigid && isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
     if (theirs != TickContacts::kNone && theirs <= number) continue;
     refreshManifold(world, manifold);
-    // Bullet's own bounce threshold, and a recovery speed for the size that its breaking threshold gives
-    const double size = double(manifold.getContactBreakingThreshold());
-    const ContactSpeeds speeds{recoverySpeed(size, double(world.getGravity().length()), double(tick)),
-                               double(world.getSolverInfo().m_restitutionVelocityThreshold)};
+    // the breaking threshold depends on the size
+    const ContactSpeeds speeds = rigidSpeeds(world, double(manifold.getContactBreakingThreshold()), tick);
     addContacts(found, manifold, speeds, tick, index);
   }
+}
+
+/// Returns the largest displacement (m) of a dynamic body in a tick.
+double longestWay(const btDiscreteDynamicsWorld& world, double tick) {
+  double longest = 0.0;
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  for (int i = 0; i < objects.size(); ++i) {
+    const btRigidBody* body = btRigidBody::upcast(objects[i]);
+    if (body && isFree(*body) && !isSoft(body))
+      longest =
+          std::max(longest, tick * double(body->getLinearVelocity().length()) + fallOf(*body, tick).norm());
+  }
+  return longest;
 }
 
 }  // namespace
@@ -545,9 +566,14 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidMan
   startTick(index);
   if (found.rigids.empty()) return;
   fill(index, world);
+  const double reach = longestWay(world, double(tick));
+  const ContactSpeeds speeds = rigidSpeeds(world, double(gContactBreakingThreshold), tick);
   std::uint32_t next = 0;
   do {
-    for (; next < found.rigids.size(); ++next) gatherContactsOf(world, next, index, tick, found);
+    for (; next < found.rigids.size(); ++next) {
+      gatherContactsOf(world, next, index, tick, found);
+      addComingContacts(world, next, reach, speeds, found);
+    }
   } while (addJoinedBodies(world, found));
   addJointRows(world, tick, found);
 }

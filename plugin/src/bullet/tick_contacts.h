@@ -97,6 +97,7 @@ struct TickContacts {
   std::vector<ContactSource> sensedSources;  ///< #sensed
   std::vector<SurfaceCandidate> candidates;
   std::vector<SurfaceCandidate> waiting;  ///< those that touch only if another body stops one of the two
+  std::vector<btCollisionObject*> near;   ///< scratch of addComingContacts()
   std::vector<JointConstraint> joints;
   std::vector<JointSource> jointSources;  ///< #joints
   double tick = 0.0;                      ///< s
@@ -176,6 +177,18 @@ struct RigidManifolds {
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
                          TickContacts& found);
 
+/// Adds a contact of two rigid bodies at a point of Bullet's. Its impulse is added to `reported`, which may
+/// be null.
+void addRigidContact(TickContacts& found, const btCollisionObject& a, const btCollisionObject& b,
+                     const btManifoldPoint& point, const ContactSpeeds& speeds,
+                     const ContactImpulse& guess = ContactImpulse(), btManifoldPoint* reported = nullptr);
+
+/// Adds the contacts that rigid body `number` of found.rigids gets in the tick with bodies that it does not
+/// touch yet, except those that earlier bodies have added. `reach`: the largest displacement (m) of a body in
+/// the tick.
+void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, double reach,
+                       const ContactSpeeds& speeds, TickContacts& found);
+
 /// Makes Bullet's solver handle all manifolds again that gatherRigidContacts() and disableBulletResponse()
 /// excluded, also for other systems in the world.
 void restoreBreakingThresholds(btDispatcher& dispatcher);
@@ -195,7 +208,8 @@ bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found);
 void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& found);
 
 /// Adds rolling and spinning friction to the last added contact, which is between rigid bodies.
-void addRollingRows(const btPersistentManifold& manifold, const btManifoldPoint& point, TickContacts& found);
+void addRollingRows(const btCollisionObject& a, const btCollisionObject& b, const btManifoldPoint& point,
+                    TickContacts& found);
 
 /// A joint whose motors and springs are disabled.
 struct DisabledDrives {

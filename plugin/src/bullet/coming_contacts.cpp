@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Zlib
+
+// This file finds contacts of rigid bodies that do not touch yet and will within the tick. Bullet finds them
+// one tick later. Until then a stiff spring may have thrown a board against the box above it, deep into it.
+
+#include "bullet/bullet_objects.h"
+#include "bullet/kinematic_motion.h"
+#include "bullet/soft_body_data.h"
+#include "bullet/tick_contacts.h"
+
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkConvexCast.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace limber {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
+
+/// m. Bullet pushes bodies out of smaller overlaps without harm.
+constexpr double kShortWay = 0.01;
+
+/// Most parts of a compound that are cast.
+constexpr int kMaxParts = 64;
+
+/// m, the distance of the bodies where their contacts are sought.
+constexpr btScalar kApart = btScalar(0.001);
+
+/// Contacts are nearer to each other than this share of the body's radius only if they are one.
+constexpr btScalar kSamePlace = btScalar(0.05);
+
+btScalar radiusOf(const btCollisionObject& object) {
+  btVector3 center;
+  btScalar radius;
+  object.getCollisionShape()->getBoundingSphere(center, radius);
+  return radius;
+}
+
+/// Returns the displacement (m) of an object in the tick if nothing else acts on it.
+btVector3 wayOf(const btCollisionObject& object, double tick) {
+  if (isKinematic(object))
+    return toBullet(kinematicDisplacement(object, toEigen(object.getWorldTransform().getOrigin())));
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  if (!body || !isFree(*body)) return btVector3(0, 0, 0);
+  return btScalar(tick) * body->getLinearVelocity() + toBullet(fallOf(*body, tick));
+}
+
+btTransform displaced(btTransform pose, const btVector3& way) {
+  pose.setOrigin(pose.getOrigin() + way);
+  return pose;
+}
+
+// --- where two bodies first touch --------------------------------------------------------------------------
+
+/// A convex part of an object.
+struct Part {
+  const btConvexShape* shape = nullptr;
+  btTransform pose;
+};
+
+/// Calls visit(part) for the convex parts of a shape.
+template <class Visit>
+void forEachPart(const btCollisionShape& shape, const btTransform& pose, Visit visit) {
+  if (shape.isConvex()) return visit(Part{static_cast<const btConvexShape*>(&shape), pose});
+  if (!shape.isCompound()) return;
+  const auto& compound = static_cast<const btCompoundShape&>(shape);
+  if (compound.getNumChildShapes() > kMaxParts) return;
+  for (int i = 0; i < compound.getNumChildShapes(); ++i)
+    forEachPart(*compound.getChildShape(i), pose * compound.getChildTransform(i), visit);
+}
+
+struct Touch {
+  Part a, b;  ///< the parts that touch, b where it is at the start of the tick, a where it touches
+  btScalar fraction = 1;      ///< of the way
+  btVector3 normal{0, 0, 0};  ///< from b to a; 0: they do not touch
+  btPointCollector nearest;   ///< a is kApart from b
+};
+
+/// The nearest places of two parts that are apart.
+btPointCollector nearestPlaces(const Part& a, const Part& b) {
+  btVoronoiSimplexSolver simplex;
+  btGjkPairDetector detector(a.shape, b.shape, &simplex, nullptr);
+  btGjkPairDetector::ClosestPointInput input;
+  input.m_transformA = a.pose;
+  input.m_transformB = b.pose;
+  btPointCollector nearest;
+  detector.getClosestPoints(input, nearest, nullptr);
+  return nearest;
+}
+
+/// Moves the parts of a along a way (m) relative to those of b.
+Touch firstTouch(const btCollisionObject& a, const btCollisionObject& b, const btVector3& way) {
+  Touch first;
+  forEachPart(*a.getCollisionShape(), a.getWorldTransform(), [&](const Part& partA) {
+    forEachPart(*b.getCollisionShape(), b.getWorldTransform(), [&](const Part& partB) {
+      btVoronoiSimplexSolver simplex;
+      btGjkConvexCast cast(partA.shape, partB.shape, &simplex);
+      btConvexCast::CastResult result;
+      result.m_fraction = 1;
+      if (!cast.calcTimeOfImpact(partA.pose, displaced(partA.pose, way), partB.pose, partB.pose, result) ||
+          !(result.m_fraction < first.fraction) || result.m_normal.fuzzyZero())
+        return;
+      first.a = partA, first.b = partB;
+      first.fraction = result.m_fraction;
+      first.normal = result.m_normal.normalized();
+    });
+  });
+  if (first.normal.isZero()) return first;
+  first.a.pose = displaced(first.a.pose, first.fraction * way + kApart * first.normal);
+  // the cast's own have errors of 1e-3
+  first.nearest = nearestPlaces(first.a, first.b);
+  if (first.nearest.m_hasResult) first.normal = first.nearest.m_normalOnBInWorld;
+  return first;
+}
+
+// --- the contacts there ------------------------------------------------------------------------------------
+
+/// Places (m, on a and on b, in their own coordinates) where the two will touch.
+struct ContactPlaces {
+  struct Place {
+    btVector3 onA, onB;
+  };
+  std::array<Place, 8> places;
+  std::size_t count = 0;
+  btScalar apart;  ///< m, least distance of two places
+
+  void add(const btVector3& onA, const btVector3& onB) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (places[i].onA.distance2(onA) < apart * apart) return;
+    if (count < places.size()) places[count++] = {onA, onB};
+  }
+};
+
+/// Calls visit(corner) for the corners of the part, in the world, that are farthest along a unit direction or
+/// nearly so: of a face all, of a round shape one.
+template <class Visit>
+void forEachCorner(const Part& part, const btVector3& direction, Visit visit) {
+  constexpr btScalar kTilt = btScalar(0.02);
+  constexpr int kTilts = 8;
+  btVector3 tangents[2];
+  btPlaneSpace1(direction, tangents[0], tangents[1]);
+  for (int i = 0; i < kTilts; ++i) {
+    // not along the edges of boxes that lie in the axes
+    const btScalar angle = (btScalar(i) + btScalar(0.4)) * SIMD_2_PI / btScalar(kTilts);
+    const btVector3 tilted = direction + kTilt * (btCos(angle) * tangents[0] + btSin(angle) * tangents[1]);
+    visit(part.pose * part.shape->localGetSupportingVertex(tilted * part.pose.getBasis()));
+  }
+}
+
+/// Finds the place of a part that faces a point along the unit normal, which leads from the place to the
+/// point or back. Returns false if the nearest place is beside it.
+bool findFacing(const btVector3& point, const Part& part, const btVector3& normal, btVector3& place) {
+  constexpr btScalar kBeside = btScalar(0.002);  // m
+  static const btSphereShape kPoint(btScalar(0));
+  const btPointCollector nearest =
+      nearestPlaces({&kPoint, btTransform(btQuaternion::getIdentity(), point)}, part);
+  if (!nearest.m_hasResult) return false;
+  place = nearest.m_pointInWorld;
+  const btVector3 offset = point - place;
+  return (offset - offset.dot(normal) * normal).length() < kBeside;
+}
+
+void findPlaces(const btCollisionObject& a, const btCollisionObject& b, const btVector3& way,
+                const Touch& touch, ContactPlaces& found) {
+  const btTransform there = displaced(a.getWorldTransform(), touch.fraction * way + kApart * touch.normal);
+  const auto add = [&](const btVector3& onA, const btVector3& onB) {
+    found.add(there.invXform(onA), b.getWorldTransform().invXform(onB));
+  };
+  const btVector3& onB = touch.nearest.m_pointInWorld;
+  if (touch.nearest.m_hasResult) add(onB + touch.nearest.m_distance * touch.normal, onB);
+  btVector3 facing;
+  forEachCorner(touch.a, -touch.normal, [&](const btVector3& corner) {
+    if (findFacing(corner, touch.b, touch.normal, facing)) add(corner, facing);
+  });
+  forEachCorner(touch.b, touch.normal, [&](const btVector3& corner) {
+    if (findFacing(corner, touch.a, touch.normal, facing)) add(facing, corner);
+  });
+}
+
+btManifoldPoint pointAt(const btCollisionObject& a, const btCollisionObject& b,
+                        const ContactPlaces::Place& place, const btVector3& normal) {
+  btManifoldPoint point(place.onA, place.onB, normal, btScalar(0));
+  point.m_combinedFriction = gCalculateCombinedFrictionCallback(&a, &b);
+  point.m_combinedRestitution = gCalculateCombinedRestitutionCallback(&a, &b);
+  point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback(&a, &b);
+  point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback(&a, &b);
+  return point;
+}
+
+// --- pairs -------------------------------------------------------------------------------------------------
+
+bool collide(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisionObject& b) {
+  btBroadphaseProxy *first = a.getBroadphaseHandle(), *second = b.getBroadphaseHandle();
+  return first && second && a.hasContactResponse() && b.hasContactResponse() && a.checkCollideWith(&b) &&
+         b.checkCollideWith(&a) && world.getPairCache()->needsBroadphaseCollision(first, second);
+}
+
+/// Whether an object may touch another one at several places.
+bool hasFaces(const btCollisionObject& object) {
+  const btCollisionShape& shape = *object.getCollisionShape();
+  return shape.isPolyhedral() || shape.isCompound();
+}
+
+/// Adds the places of Bullet's present contacts of the pair. Returns whether others may come: not between
+/// faces that touch at three places or more, nor of round bodies that touch, nor while the two overlap.
+bool addPresent(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisionObject& b,
+                ContactPlaces& places) {
+  constexpr btScalar kOverlap = btScalar(0.002);  // m
+  btBroadphasePair* pair = world.getPairCache()->findPair(a.getBroadphaseHandle(), b.getBroadphaseHandle());
+  if (!pair || !pair->m_algorithm) return true;
+  btManifoldArray manifolds;
+  pair->m_algorithm->getAllContactManifolds(manifolds);
+  for (int m = 0; m < manifolds.size(); ++m)
+    for (int i = 0; i < manifolds[m]->getNumContacts(); ++i) {
+      const btManifoldPoint& point = manifolds[m]->getContactPoint(i);
+      if (point.getDistance() < -kOverlap) return false;
+      const bool inOrder = manifolds[m]->getBody0() == &a;
+      places.add(inOrder ? point.m_localPointA : point.m_localPointB,
+                 inOrder ? point.m_localPointB : point.m_localPointA);
+    }
+  return places.count == 0 || (places.count < 3 && hasFaces(a) && hasFaces(b));
+}
+
+/// Adds the contacts of a with b that they get in the tick: by their own motions, or where something stops
+/// one of the two. Gaps are those of the present poses.
+void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisionObject& b,
+               const ContactSpeeds& speeds, TickContacts& found) {
+  ContactPlaces places;
+  places.apart = kSamePlace * radiusOf(a);
+  if (!addPresent(world, a, b, places)) return;
+  const btVector3 ofA = wayOf(a, found.tick), ofB = wayOf(b, found.tick);
+  for (const btVector3& way : {btVector3(ofA - ofB), btVector3(-ofB), ofA}) {
+    if (double(way.length()) < kShortWay) continue;
+    const Touch first = firstTouch(a, b, way);
+    if (first.normal.isZero()) continue;
+    std::size_t next = places.count;
+    findPlaces(a, b, way, first, places);
+    for (; next < places.count; ++next)
+      addRigidContact(found, a, b, pointAt(a, b, places.places[next], first.normal), speeds);
+    return;
+  }
+}
+
+/// Finds the rigid bodies within a distance (m) of the body's box, sorted by id: the order of the broadphase
+/// depends on earlier ticks.
+void findNear(const btDiscreteDynamicsWorld& world, const btRigidBody& body, double distance,
+              std::vector<btCollisionObject*>& near) {
+  near.clear();
+  btVector3 low, high;
+  body.getAabb(low, high);
+  const btScalar more = btScalar(distance);
+  const btVector3 margin(more, more, more);
+  forEachObjectIn(world, low - margin, high + margin, [&](btCollisionObject& other) {
+    if (&other != &body && btRigidBody::upcast(&other) && !isSoft(&other)) near.push_back(&other);
+  });
+  std::sort(near.begin(), near.end(), [](const btCollisionObject* x, const btCollisionObject* y) {
+    return x->getBroadphaseHandle()->m_uniqueId < y->getBroadphaseHandle()->m_uniqueId;
+  });
+}
+
+}  // namespace
+
+void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, double reach,
+                       const ContactSpeeds& speeds, TickContacts& found) {
+  btRigidBody& body = *found.rigids[number].body;
+  const double way = double(wayOf(body, found.tick).length());
+  if (!isFree(body) || std::max(way, reach) < kShortWay) return;
+  findNear(world, body, way + reach, found.near);
+  for (btCollisionObject* other : found.near) {
+    const auto* rigid = static_cast<const btRigidBody*>(other);
+    const std::uint32_t theirs = isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
+    if (theirs != TickContacts::kNone && theirs <= number) continue;
+    if (collide(world, body, *other)) addComing(world, body, *other, speeds, found);
+  }
+}
+
+}  // namespace LIMBER_BULLET_PRECISION
+}  // namespace limber
