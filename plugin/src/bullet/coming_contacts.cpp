@@ -225,24 +225,41 @@ bool addPresent(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisio
   return places.count == 0 || (places.count < 3 && hasFaces(a) && hasFaces(b));
 }
 
-/// Adds the contacts of a with b that they get in the tick: by their own motions, or where something stops
-/// one of the two. Gaps are those of the present poses.
-void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisionObject& b,
+/// A touch and the way on which it comes.
+struct ComingTouch {
+  btVector3 way;
+  Touch touch;
+  bool comes() const { return !touch.normal.isZero(); }
+};
+
+ComingTouch touchOn(const btVector3& way, const btCollisionObject& a, const btCollisionObject& b) {
+  return {way, double(way.length()) < kShortWay ? Touch() : firstTouch(a, b, way)};
+}
+
+/// Returns the touch of a with b in the tick: by their own motions, or where something stops one of the two.
+ComingTouch comingTouch(const btCollisionObject& a, const btCollisionObject& b, double tick) {
+  const btVector3 ofA = wayOf(a, tick), ofB = wayOf(b, tick);
+  const ComingTouch own = touchOn(ofA - ofB, a, b);
+  if (own.comes()) return own;
+  const ComingTouch whenStopped[] = {touchOn(-ofB, a, b), touchOn(ofA, a, b)};
+  return whenStopped[whenStopped[1].touch.fraction < whenStopped[0].touch.fraction];
+}
+
+/// Adds the contacts that two bodies get in the tick. Gaps are those of the present poses.
+void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisionObject& other,
                const ContactSpeeds& speeds, TickContacts& found) {
+  // the same for both orders
+  const bool swap = radiusOf(other) < radiusOf(one);
+  btCollisionObject &a = swap ? other : one, &b = swap ? one : other;
   ContactPlaces places;
   places.apart = kSamePlace * radiusOf(a);
   if (!addPresent(world, a, b, places)) return;
-  const btVector3 ofA = wayOf(a, found.tick), ofB = wayOf(b, found.tick);
-  for (const btVector3& way : {btVector3(ofA - ofB), btVector3(-ofB), ofA}) {
-    if (double(way.length()) < kShortWay) continue;
-    const Touch first = firstTouch(a, b, way);
-    if (first.normal.isZero()) continue;
-    std::size_t next = places.count;
-    findPlaces(a, b, way, first, places);
-    for (; next < places.count; ++next)
-      addRigidContact(found, a, b, pointAt(a, b, places.places[next], first.normal), speeds);
-    return;
-  }
+  const ComingTouch coming = comingTouch(a, b, found.tick);
+  if (!coming.comes()) return;
+  std::size_t next = places.count;
+  findPlaces(a, b, coming.way, coming.touch, places);
+  for (; next < places.count; ++next)
+    addRigidContact(found, a, b, pointAt(a, b, places.places[next], coming.touch.normal), speeds);
 }
 
 /// Finds the rigid bodies within a distance (m) of the body's box, sorted by id: the order of the broadphase
