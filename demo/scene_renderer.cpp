@@ -43,6 +43,20 @@ double sizeOf(const SoftBody& body) {
 
 }  // namespace
 
+/// Extends the view by bodies that lie or roll within twice its size; those that still fall come into it.
+void follow(scenes::View& view, const scenes::View& start, const scenes::Scene& scene) {
+  const Eigen::AlignedBox3d& box = start.box;
+  const Eigen::AlignedBox3d widest(box.center() - box.sizes(), box.center() + box.sizes());
+  for (std::size_t i = 0; i < scene.soft->bodyCount(); ++i) {
+    const SoftBody& body = *scene.soft->body(i);
+    const double radius = 0.5 * sizeOf(body);
+    const Eigen::Vector3d centre = body.centerOfMass(), size = Eigen::Vector3d::Constant(radius);
+    if (centre.y() - 2.0 * radius > box.min().y()) continue;
+    const Eigen::AlignedBox3d near = Eigen::AlignedBox3d(centre - size, centre + size).intersection(widest);
+    if (!near.isEmpty()) view.box.extend(near);
+  }
+}
+
 render::Camera cameraAt(const scenes::View& view, const DemoOptions& options, double share) {
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
   const render::Vec3 low = toVec3(view.box.min()), high = toVec3(view.box.max());
@@ -276,6 +290,7 @@ render::RendererDesc rendererDesc(const scenes::Scene& scene, const DemoOptions&
 
 SceneRenderer::SceneRenderer(const scenes::Scene& scene, const DemoOptions& options)
     : scene_(scene),
+      seen_(scene.view),
       options_(options),
       context_(render::createContext(options.context)),
       renderer_(*context_, rendererDesc(scene, options)),
@@ -283,7 +298,8 @@ SceneRenderer::SceneRenderer(const scenes::Scene& scene, const DemoOptions& opti
 
 void SceneRenderer::draw(const Moment& moment, render::Image& image) {
   Shot shot;
-  shot.camera = cameraAt(scene_.view, options_, moment.share);
+  if (scene_.view.follows) follow(seen_, scene_.view, scene_);
+  shot.camera = cameraAt(seen_, options_, moment.share);
   shot.tickFraction = moment.tickFraction;
   shot.mode = options_.mode;
   shot.overlay = options_.overlay;

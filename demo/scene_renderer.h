@@ -132,6 +132,7 @@ class SceneRenderer {
 
  private:
   const scenes::Scene& scene_;
+  scenes::View seen_;
   DemoOptions options_;
   std::unique_ptr<render::GlContext> context_;
   render::Renderer renderer_;

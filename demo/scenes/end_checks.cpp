@@ -191,16 +191,17 @@ std::string checkAsleep(const Scene& scene) {
   });
 }
 
-Check checkShapes(double relative) {
-  return [relative](const Scene& scene) {
-    return anyBody(scene, [relative](std::size_t, const SoftBody& body) {
+Check checkShapes(double relative, const std::string& remedy) {
+  return [=](const Scene& scene) {
+    return anyBody(scene, [&](std::size_t, const SoftBody& body) {
       if (body.network().kind != NetworkKind::Solid) return std::string();
       const ShapeError error = shapeError(body);
       if (error.mirrored) return std::string(" is inside out");
       return error.relativeRms <= relative
                  ? std::string()
                  : text(" has lost its shape: off by %.3g %% of its size, allowed is %.3g %%",
-                        100.0 * error.relativeRms, 100.0 * relative);
+                        100.0 * error.relativeRms, 100.0 * relative) +
+                       remedy;
     });
   };
 }

@@ -45,8 +45,8 @@ Check checkCalmOrRolling(double metres);
 std::string checkAsleep(const Scene& scene);
 
 /// Checks that the RMS error of each solid's shape is at most `relative` of its size, and that it is not
-/// inside out.
-Check checkShapes(double relative);
+/// inside out. `remedy` ends the message.
+Check checkShapes(double relative, const std::string& remedy = "");
 
 /// Checks that no point is farther than `metres` from the origin.
 Check checkWithin(double metres);

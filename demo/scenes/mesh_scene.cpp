@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,8 +27,14 @@ constexpr std::uint32_t kUsualCount = 9;
 /// Largest RMS error of shape, relative to the size: hard materials sag by a hundredth, soft ones by a tenth.
 constexpr double kMaxHardError = 0.1, kMaxSoftError = 0.3;
 
+constexpr const char* kShapeRemedy = "; a harder material (--feel stiff) or more --points hold it";
+
 /// Largest stretch of a drawn edge: more is a spike.
 constexpr double kMaxStretch = 3.0;
+
+/// Sizes of the mesh between it and its origin. A single-precision file has errors of 0.6 % of the size
+/// there.
+constexpr double kFarFromOrigin = 1e5;
 
 /// Bodies farther than this from the middle of the scene, in sizes of the scene, have flown away.
 constexpr double kFarAway = 100.0;
@@ -127,6 +135,17 @@ Material materialOf(Feel feel) {
   return Material::rubber();
 }
 
+namespace {
+
+std::string threeDigits(double value) {
+  std::ostringstream text;
+  text.precision(3);
+  text << value;
+  return text.str();
+}
+
+}  // namespace
+
 SceneResult createMeshDrop(const SceneOptions& options) {
   if (options.meshFile.empty()) return Error{"the scene mesh needs a file"};
   CookSettings settings = options.cook;
@@ -134,16 +153,24 @@ SceneResult createMeshDrop(const SceneOptions& options) {
   Result<CookedMesh> cooked = readBodies(options.meshFile, settings, options.cacheFolder);
   if (!cooked) return Error{cooked.error()};
   const DroppedMesh mesh = measure(std::move(*cooked), options.scale);
+  if (mesh.middle.norm() > kFarFromOrigin * mesh.size)
+    return Error{
+        options.meshFile + ": the mesh is more than " + std::to_string(int(kFarFromOrigin)) +
+        " times its size away from its origin, where files have too few digits for its shape; move it to "
+        "the origin"};
   auto scene = std::make_unique<Scene>();
   std::string reason = dropCopies(*scene, mesh, options);
   if (!reason.empty()) return Error{options.meshFile + ": " + reason};
   for (const std::string& line : mesh.cooked.report)
     if (!line.empty()) scene->notes.push_back(line);
+  if (options.scale)
+    scene->notes.push_back("size: " + threeDigits(*options.scale) + " times all lengths above");
   noteOddSize(*scene, mesh.size);
   const bool isHard = options.feel == Feel::Rubber || options.feel == Feel::Stiff;
   const double reach = kFarAway * scene->view.box.diagonal().norm();
   scene->endChecks = {checkFinite, checkWithin(reach), checkAboveFloor,
-                      checkShapes(isHard ? kMaxHardError : kMaxSoftError), checkSpikes(kMaxStretch)};
+                      checkShapes(isHard ? kMaxHardError : kMaxSoftError, kShapeRemedy),
+                      checkSpikes(kMaxStretch)};
   return scene;
 }
 

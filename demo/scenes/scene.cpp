@@ -125,6 +125,7 @@ void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, doubl
   const double height = grid.count == 1 ? 2.5 * size : 0.9 * size;  // one body is seen from its start on
   scene.view.box = Eigen::AlignedBox3d(-halfView, halfView + Eigen::Vector3d(0.0, height, 0.0));
   scene.view.direction = {0.4, 0.5, 1.0};
+  scene.view.follows = true;
 }
 
 std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,

@@ -142,6 +142,7 @@ struct RigidLook {
 struct View {
   Eigen::AlignedBox3d box;
   Eigen::Vector3d direction = Eigen::Vector3d(0.5, 0.45, 1.0);
+  bool follows = false;  ///< the picture grows with bodies that have landed and roll away
 };
 
 struct Scene;

@@ -95,6 +95,11 @@ TEST(SteppingChoice, solvesStrongDampersWithTheSprings) {
   EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Verlet) << "a large mesh";
   damped.cheapNewton = true;
   EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Newton);
+  damped.touching = true;
+  damped.dampingRate = 1e3;
+  EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Verlet) << "sweeps of dampers follow";
+  damped.dampingRate = 1e4;
+  EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Newton);
   damped.implicitPossible = false;
   EXPECT_EQ(chooseStepping(damped, Stepping()).stepper, Stepper::Verlet);
 }

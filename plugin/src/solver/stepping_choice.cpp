@@ -132,6 +132,10 @@ constexpr double kDefaultPeriodTolerance = Stepping{}.periodTolerance;
 /// split off from the motion then brake more than true dampers.
 constexpr double kStrongDamping = 1.0;
 
+/// The same of a body that touches something: up to there the sweeps of Verlet's dampers follow (springs.h),
+/// and Newton's method, which must find which contacts hold, takes up to three hundred times as long.
+constexpr double kStrongTouching = 16.0;
+
 /// rad, largest rotation of a spring per substep. A step is a straight line: it lengthens a spring that
 /// rotates by t by t^2 / 2 of its length.
 constexpr double kMaxRotation = 0.25;
@@ -215,7 +219,8 @@ VerletNeed verletNeed(const SteppingProblem& p, const Stepping& s) {
 Stepper choose(const SteppingProblem& p, const Stepping& s, const VerletNeed& verlet, int implicit) {
   if (!p.implicitPossible || (p.touching && implicit > kMaxTouchingImplicit)) return Stepper::Verlet;
   if (s.stepper != Stepper::Auto) return s.stepper;
-  const bool strong = p.cheapNewton && p.dampingRate * p.tick / verlet.atDefault > kStrongDamping;
+  const double strength = p.dampingRate * p.tick / verlet.atDefault;
+  const bool strong = p.cheapNewton && strength > (p.touching ? kStrongTouching : kStrongDamping);
   const bool many = verlet.stable > kVerletPerImplicit * implicit && !p.touching && !p.held &&
                     s.periodTolerance >= kDefaultPeriodTolerance;
   return strong || many ? implicitFor(p, strong) : Stepper::Verlet;
