@@ -215,6 +215,17 @@ bool isHidden(const HeldPiece& sheet, const Vector3d& x, const Vector3d& target)
   return nearestOnTriangle(sheet, crossing).away.norm() < kOnTriangle;
 }
 
+/// Whether the plane or the box of a sheet shows that it is at least `distance` (m) from the point x, as
+/// those of most do.
+bool isFar(const HeldPiece& piece, const Vector3d& x, double distance) {
+  if (piece.kind != Kind::Sheet) return false;
+  const double above = heightAbove(piece, x), least = distance + piece.margin;
+  const double height = piece.metAbove ? piece.side * above : std::abs(above);
+  if (height >= least || height < 0.0) return height > 0.0;
+  const Vector3d low = piece.axes.rowwise().minCoeff(), high = piece.axes.rowwise().maxCoeff();
+  return std::max((low - x).maxCoeff(), (x - high).maxCoeff()) >= least;
+}
+
 /// Whether other pieces hide or cover the contact.
 bool isBlocked(const HeldNeighbourhood& around, const Approach& m, const HeldContact& c) {
   const HeldPiece* begin = around.all->pieces.data() + around.begin;
@@ -226,7 +237,7 @@ bool isBlocked(const HeldNeighbourhood& around, const Approach& m, const HeldCon
     if (other == m.first) continue;
     if (other->kind == Kind::Sheet && m.first->kind == Kind::Sheet && isHidden(*other, m.x, point))
       return true;
-    if (c.onFace) continue;
+    if (c.onFace || isFar(*other, center, (1.0 - kOverlap) * ball)) continue;
     if (nearestOn(other, next, center).height < (1.0 - kOverlap) * ball) return true;
   }
   return false;
@@ -379,7 +390,9 @@ bool isCovered(const HeldPiece* begin, const HeldPiece* end, const TouchedPoint&
   for (const HeldPiece *other = begin, *next = begin; other != end; other = next) {
     next = endOfSolid(other, end);
     const double margin = other->margin == touched.margin ? touched.margin : 0.0;
-    HeldPoint nearest = nearestOn(other, next, (margin > 0.0 ? touched.core : point) + ball * normal);
+    const Vector3d center = (margin > 0.0 ? touched.core : point) + ball * normal;
+    if (isFar(*other, center, (1.0 - kOverlap) * ball - margin)) continue;
+    HeldPoint nearest = nearestOn(other, next, center);
     nearest.height += margin;
     const bool isItself = isOfRevolution(other->kind) && (nearest.normal.dot(normal) > kRoundNormalCosine ||
                                                           isJustInside(other, next, point));
