@@ -413,6 +413,30 @@ TEST(RigidNeighbours, fallingOnABoardOnSpringsReboundAlikeAtAnyTick) {
   }
 }
 
+/// The floor stops a box within the tick of the hit, and so the end of the rope on it.
+TEST(RigidNeighbours, thatHitTheFloorKeepWhatIsAttachedToThem) {
+  for (const bool plane : {true, false}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    plane ? bullet.addPlaneFloor() : bullet.addBoxFloor();
+    btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 2, 0));
+    box->setLinearVelocity(vec(0, -7, 0));
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 3.3, 0};
+    s.linearVelocity = {0, -7, 0};
+    s.totalMass = 0.2;
+    SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
+    ASSERT_TRUE(system.attach(rope, 8, *box));
+    const btVector3 pivot(0, btScalar(rope->position(8).y() - 2.0), 0);
+    for (int i = 0; i < 40; ++i) {
+      bullet.tick();
+      const Eigen::Vector3d apart = rope->position(8) - eigen(box->getWorldTransform() * pivot);
+      // 9 m/s are 0.15 m a tick
+      ASSERT_LT(apart.norm(), 0.02) << plane << " tick " << i;
+    }
+  }
+}
+
 /// A plate that a constraint fixes to a kinematic palm, which speeds up, carries a soft cube. The limit of
 /// the energy that joints add must not take the work of the palm.
 TEST(RigidNeighbours, onAnAcceleratingPalmMoveAsFastAsTheirVelocitySays) {

@@ -59,7 +59,7 @@ btTransform displaced(btTransform pose, const btVector3& way) {
 /// A convex part of an object.
 struct Part {
   const btConvexShape* shape = nullptr;
-  btTransform pose;
+  btTransform pose = btTransform::getIdentity();
 };
 
 /// Calls visit(part) for the convex parts of a shape.
@@ -73,47 +73,96 @@ void forEachPart(const btCollisionShape& shape, const btTransform& pose, Visit v
     forEachPart(*compound.getChildShape(i), pose * compound.getChildTransform(i), visit);
 }
 
+bool isPlane(const btCollisionObject& object) {
+  return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
+}
+
+/// What is below a static plane, in the world.
+struct HalfSpace {
+  btVector3 normal, on;  ///< unit; m, a point of the plane
+
+  explicit HalfSpace(const btCollisionObject& object) {
+    const auto& plane = static_cast<const btStaticPlaneShape&>(*object.getCollisionShape());
+    const btTransform& pose = object.getWorldTransform();
+    normal = pose.getBasis() * plane.getPlaneNormal();
+    on = pose * (plane.getPlaneConstant() * plane.getPlaneNormal());
+  }
+  btScalar heightOf(const btVector3& point) const { return normal.dot(point - on); }
+};
+
+/// The nearest places of two parts that are apart.
+struct Nearest {
+  bool found = false;
+  btVector3 normal{0, 0, 0};  ///< unit, from b to a
+  btVector3 onB{0, 0, 0};
+  btScalar distance = 0;  ///< m
+
+  Nearest() = default;
+  Nearest(const Part& a, const Part& b) {
+    btVoronoiSimplexSolver simplex;
+    btGjkPairDetector detector(a.shape, b.shape, &simplex, nullptr);
+    btGjkPairDetector::ClosestPointInput input;
+    input.m_transformA = a.pose;
+    input.m_transformB = b.pose;
+    btPointCollector nearest;
+    detector.getClosestPoints(input, nearest, nullptr);
+    found = nearest.m_hasResult;
+    if (found)
+      normal = nearest.m_normalOnBInWorld, onB = nearest.m_pointInWorld, distance = nearest.m_distance;
+  }
+};
+
 struct Touch {
   Part a, b;  ///< the parts that touch, b where it is at the start of the tick, a where it touches
   btScalar fraction = 1;      ///< of the way
   btVector3 normal{0, 0, 0};  ///< from b to a; 0: they do not touch
-  btPointCollector nearest;   ///< a is kApart from b
+  Nearest nearest;            ///< a is kApart from b; none for a plane
 };
 
-/// The nearest places of two parts that are apart.
-btPointCollector nearestPlaces(const Part& a, const Part& b) {
+/// Moves a part along a way (m) towards one that does not move. Returns the touch, `first` if that comes
+/// sooner.
+Touch sooner(const Touch& first, const Part& a, const Part& b, const btVector3& way) {
   btVoronoiSimplexSolver simplex;
-  btGjkPairDetector detector(a.shape, b.shape, &simplex, nullptr);
-  btGjkPairDetector::ClosestPointInput input;
-  input.m_transformA = a.pose;
-  input.m_transformB = b.pose;
-  btPointCollector nearest;
-  detector.getClosestPoints(input, nearest, nullptr);
-  return nearest;
+  btGjkConvexCast cast(a.shape, b.shape, &simplex);
+  btConvexCast::CastResult result;
+  result.m_fraction = 1;
+  if (!cast.calcTimeOfImpact(a.pose, displaced(a.pose, way), b.pose, b.pose, result) ||
+      !(result.m_fraction < first.fraction) || result.m_normal.fuzzyZero())
+    return first;
+  Touch touch;
+  touch.a = a, touch.b = b;
+  touch.fraction = result.m_fraction;
+  touch.normal = result.m_normal.normalized();
+  return touch;
 }
 
-/// Moves the parts of a along a way (m) relative to those of b.
+/// The same for a static plane as b.
+Touch sooner(const Touch& first, const Part& a, const HalfSpace& b, const btVector3& way) {
+  const btVector3 lowest = a.pose * a.shape->localGetSupportingVertex(-b.normal * a.pose.getBasis());
+  const btScalar gap = b.heightOf(lowest), approach = -b.normal.dot(way);
+  const btScalar fraction = gap > 0 && approach > 0 ? gap / approach : btScalar(gap > 0 ? 1 : 0);
+  if (!(fraction < first.fraction)) return first;
+  Touch touch;
+  touch.a = a;
+  touch.fraction = fraction;
+  touch.normal = b.normal;
+  return touch;
+}
+
+/// Moves the parts of a along a way (m) relative to b.
 Touch firstTouch(const btCollisionObject& a, const btCollisionObject& b, const btVector3& way) {
   Touch first;
   forEachPart(*a.getCollisionShape(), a.getWorldTransform(), [&](const Part& partA) {
-    forEachPart(*b.getCollisionShape(), b.getWorldTransform(), [&](const Part& partB) {
-      btVoronoiSimplexSolver simplex;
-      btGjkConvexCast cast(partA.shape, partB.shape, &simplex);
-      btConvexCast::CastResult result;
-      result.m_fraction = 1;
-      if (!cast.calcTimeOfImpact(partA.pose, displaced(partA.pose, way), partB.pose, partB.pose, result) ||
-          !(result.m_fraction < first.fraction) || result.m_normal.fuzzyZero())
-        return;
-      first.a = partA, first.b = partB;
-      first.fraction = result.m_fraction;
-      first.normal = result.m_normal.normalized();
-    });
+    if (isPlane(b)) first = sooner(first, partA, HalfSpace(b), way);
+    forEachPart(*b.getCollisionShape(), b.getWorldTransform(),
+                [&](const Part& partB) { first = sooner(first, partA, partB, way); });
   });
   if (first.normal.isZero()) return first;
   first.a.pose = displaced(first.a.pose, first.fraction * way + kApart * first.normal);
+  if (isPlane(b)) return first;
   // the cast's own have errors of 1e-3
-  first.nearest = nearestPlaces(first.a, first.b);
-  if (first.nearest.m_hasResult) first.normal = first.nearest.m_normalOnBInWorld;
+  first.nearest = Nearest(first.a, first.b);
+  if (first.nearest.found) first.normal = first.nearest.normal;
   return first;
 }
 
@@ -156,10 +205,9 @@ void forEachCorner(const Part& part, const btVector3& direction, Visit visit) {
 bool findFacing(const btVector3& point, const Part& part, const btVector3& normal, btVector3& place) {
   constexpr btScalar kBeside = btScalar(0.002);  // m
   static const btSphereShape kPoint(btScalar(0));
-  const btPointCollector nearest =
-      nearestPlaces({&kPoint, btTransform(btQuaternion::getIdentity(), point)}, part);
-  if (!nearest.m_hasResult) return false;
-  place = nearest.m_pointInWorld;
+  const Nearest nearest({&kPoint, btTransform(btQuaternion::getIdentity(), point)}, part);
+  if (!nearest.found) return false;
+  place = nearest.onB;
   const btVector3 offset = point - place;
   return (offset - offset.dot(normal) * normal).length() < kBeside;
 }
@@ -170,8 +218,12 @@ void findPlaces(const btCollisionObject& a, const btCollisionObject& b, const bt
   const auto add = [&](const btVector3& onA, const btVector3& onB) {
     found.add(there.invXform(onA), b.getWorldTransform().invXform(onB));
   };
-  const btVector3& onB = touch.nearest.m_pointInWorld;
-  if (touch.nearest.m_hasResult) add(onB + touch.nearest.m_distance * touch.normal, onB);
+  const Nearest& nearest = touch.nearest;
+  if (nearest.found) add(nearest.onB + nearest.distance * touch.normal, nearest.onB);
+  if (isPlane(b))
+    return forEachCorner(touch.a, -touch.normal, [&](const btVector3& corner) {
+      add(corner, corner - HalfSpace(b).heightOf(corner) * touch.normal);
+    });
   btVector3 facing;
   forEachCorner(touch.a, -touch.normal, [&](const btVector3& corner) {
     if (findFacing(corner, touch.b, touch.normal, facing)) add(corner, facing);
@@ -249,7 +301,7 @@ ComingTouch comingTouch(const btCollisionObject& a, const btCollisionObject& b, 
 void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisionObject& other,
                const ContactSpeeds& speeds, TickContacts& found) {
   // the same for both orders
-  const bool swap = radiusOf(other) < radiusOf(one);
+  const bool swap = !isPlane(other) && (isPlane(one) || radiusOf(other) < radiusOf(one));
   btCollisionObject &a = swap ? other : one, &b = swap ? one : other;
   ContactPlaces places;
   places.apart = kSamePlace * radiusOf(a);
