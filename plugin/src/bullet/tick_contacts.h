@@ -22,6 +22,7 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+struct ContactSpeeds;
 struct SoftBodyData;
 struct StoredImpulse;
 
