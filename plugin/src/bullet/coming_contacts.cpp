@@ -27,8 +27,9 @@ constexpr double kShortWay = 0.01;
 /// Most parts of a compound that are cast.
 constexpr int kMaxParts = 64;
 
-/// m, the distance of the bodies where their contacts are sought.
-constexpr btScalar kApart = btScalar(0.001);
+/// m, and as a share of the smaller body's radius: the largest distance of the bodies where their contacts
+/// are sought.
+constexpr btScalar kApart = btScalar(0.001), kApartShare = btScalar(0.003);
 
 /// Contacts are nearer to each other than this share of the body's radius only if they are one.
 constexpr btScalar kSamePlace = btScalar(0.05);
@@ -61,6 +62,11 @@ struct Part {
   const btConvexShape* shape = nullptr;
   btTransform pose = btTransform::getIdentity();
 };
+
+/// Returns the place of the part, in the world, that is farthest along a direction.
+btVector3 supportOf(const Part& part, const btVector3& direction) {
+  return part.pose * part.shape->localGetSupportingVertex(direction * part.pose.getBasis());
+}
 
 /// Calls visit(part) for the convex parts of a shape.
 template <class Visit>
@@ -116,7 +122,8 @@ struct Touch {
   Part a, b;  ///< the parts that touch, b where it is at the start of the tick, a where it touches
   btScalar fraction = 1;      ///< of the way
   btVector3 normal{0, 0, 0};  ///< from b to a; 0: they do not touch
-  Nearest nearest;            ///< a is kApart from b; none for a plane
+  Nearest nearest;            ///< where it touches, or will soon; none for a plane
+  btScalar apart = 0;         ///< m, distance of a from b there
 };
 
 /// Moves a part along a way (m) towards one that does not move. Returns the touch, `first` if that comes
@@ -138,8 +145,7 @@ Touch sooner(const Touch& first, const Part& a, const Part& b, const btVector3& 
 
 /// The same for a static plane as b.
 Touch sooner(const Touch& first, const Part& a, const HalfSpace& b, const btVector3& way) {
-  const btVector3 lowest = a.pose * a.shape->localGetSupportingVertex(-b.normal * a.pose.getBasis());
-  const btScalar gap = b.heightOf(lowest), approach = -b.normal.dot(way);
+  const btScalar gap = b.heightOf(supportOf(a, -b.normal)), approach = -b.normal.dot(way);
   const btScalar fraction = gap > 0 && approach > 0 ? gap / approach : btScalar(gap > 0 ? 1 : 0);
   if (!(fraction < first.fraction)) return first;
   Touch touch;
@@ -158,7 +164,8 @@ Touch firstTouch(const btCollisionObject& a, const btCollisionObject& b, const b
                 [&](const Part& partB) { first = sooner(first, partA, partB, way); });
   });
   if (first.normal.isZero()) return first;
-  first.a.pose = displaced(first.a.pose, first.fraction * way + kApart * first.normal);
+  first.apart = std::min(kApart, kApartShare * radiusOf(a));
+  first.a.pose = displaced(first.a.pose, first.fraction * way + first.apart * first.normal);
   if (isPlane(b)) return first;
   // the cast's own have errors of 1e-3
   first.nearest = Nearest(first.a, first.b);
@@ -196,40 +203,44 @@ void forEachCorner(const Part& part, const btVector3& direction, Visit visit) {
     // not along the edges of boxes that lie in the axes
     const btScalar angle = (btScalar(i) + btScalar(0.4)) * SIMD_2_PI / btScalar(kTilts);
     const btVector3 tilted = direction + kTilt * (btCos(angle) * tangents[0] + btSin(angle) * tangents[1]);
-    visit(part.pose * part.shape->localGetSupportingVertex(tilted * part.pose.getBasis()));
+    visit(supportOf(part, tilted));
   }
 }
 
-/// Finds the place of a part that faces a point along the unit normal, which leads from the place to the
+/// Finds the place of a part that faces a point along the touch's normal, which leads from the place to the
 /// point or back. Returns false if the nearest place is beside it.
-bool findFacing(const btVector3& point, const Part& part, const btVector3& normal, btVector3& place) {
-  constexpr btScalar kBeside = btScalar(0.002);  // m
+bool findFacing(const btVector3& point, const Part& part, const Touch& touch, btVector3& place) {
   static const btSphereShape kPoint(btScalar(0));
   const Nearest nearest({&kPoint, btTransform(btQuaternion::getIdentity(), point)}, part);
   if (!nearest.found) return false;
   place = nearest.onB;
   const btVector3 offset = point - place;
-  return (offset - offset.dot(normal) * normal).length() < kBeside;
+  return (offset - offset.dot(touch.normal) * touch.normal).length() < 2 * touch.apart;
 }
 
 void findPlaces(const btCollisionObject& a, const btCollisionObject& b, const btVector3& way,
                 const Touch& touch, ContactPlaces& found) {
-  const btTransform there = displaced(a.getWorldTransform(), touch.fraction * way + kApart * touch.normal);
+  const btTransform there =
+      displaced(a.getWorldTransform(), touch.fraction * way + touch.apart * touch.normal);
   const auto add = [&](const btVector3& onA, const btVector3& onB) {
     found.add(there.invXform(onA), b.getWorldTransform().invXform(onB));
   };
   const Nearest& nearest = touch.nearest;
   if (nearest.found) add(nearest.onB + nearest.distance * touch.normal, nearest.onB);
-  if (isPlane(b))
-    return forEachCorner(touch.a, -touch.normal, [&](const btVector3& corner) {
-      add(corner, corner - HalfSpace(b).heightOf(corner) * touch.normal);
-    });
+  if (isPlane(b)) {
+    const HalfSpace plane(b);
+    const auto addAbove = [&](const btVector3& corner) {
+      add(corner, corner - plane.heightOf(corner) * touch.normal);
+    };
+    addAbove(supportOf(touch.a, -touch.normal));
+    return forEachCorner(touch.a, -touch.normal, addAbove);
+  }
   btVector3 facing;
   forEachCorner(touch.a, -touch.normal, [&](const btVector3& corner) {
-    if (findFacing(corner, touch.b, touch.normal, facing)) add(corner, facing);
+    if (findFacing(corner, touch.b, touch, facing)) add(corner, facing);
   });
   forEachCorner(touch.b, touch.normal, [&](const btVector3& corner) {
-    if (findFacing(corner, touch.a, touch.normal, facing)) add(facing, corner);
+    if (findFacing(corner, touch.a, touch, facing)) add(facing, corner);
   });
 }
 
@@ -260,11 +271,11 @@ bool hasFaces(const btCollisionObject& object) {
 /// Adds the places of Bullet's present contacts of the pair. Returns whether others may come: not between
 /// faces that touch at three places or more, nor of round bodies that touch, nor while the two overlap.
 bool addPresent(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisionObject& b,
-                ContactPlaces& places) {
+                btManifoldArray& manifolds, ContactPlaces& places) {
   constexpr btScalar kOverlap = btScalar(0.002);  // m
   btBroadphasePair* pair = world.getPairCache()->findPair(a.getBroadphaseHandle(), b.getBroadphaseHandle());
   if (!pair || !pair->m_algorithm) return true;
-  btManifoldArray manifolds;
+  manifolds.resizeNoInitialize(0);
   pair->m_algorithm->getAllContactManifolds(manifolds);
   for (int m = 0; m < manifolds.size(); ++m)
     for (int i = 0; i < manifolds[m]->getNumContacts(); ++i) {
@@ -305,7 +316,7 @@ void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisi
   btCollisionObject &a = swap ? other : one, &b = swap ? one : other;
   ContactPlaces places;
   places.apart = kSamePlace * radiusOf(a);
-  if (!addPresent(world, a, b, places)) return;
+  if (!addPresent(world, a, b, found.manifolds, places)) return;
   const ComingTouch coming = comingTouch(a, b, found.tick);
   if (!coming.comes()) return;
   std::size_t next = places.count;

@@ -98,7 +98,8 @@ struct TickContacts {
   std::vector<ContactSource> sensedSources;  ///< #sensed
   std::vector<SurfaceCandidate> candidates;
   std::vector<SurfaceCandidate> waiting;  ///< those that touch only if another body stops one of the two
-  std::vector<btCollisionObject*> near;   ///< scratch of addComingContacts()
+  std::vector<btCollisionObject*> near;   ///< this and the next: scratch of addComingContacts()
+  btManifoldArray manifolds;
   std::vector<JointConstraint> joints;
   std::vector<JointSource> jointSources;  ///< #joints
   double tick = 0.0;                      ///< s
