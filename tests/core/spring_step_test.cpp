@@ -181,7 +181,8 @@ TEST(Damping, smoothMotionSlowsDownAsItShouldWhereASubstepWouldStopAPair) {
     stepVerlet(body.group, time, 4);
     EXPECT_LT(truth.norm(), 0.92 * before);
     // one sweep a substep with the shares of single pairs is off by 0.3 of the velocity at the strongest
-    EXPECT_LT((body.state.velocity - truth).norm(), 0.01 * before) << damping;
+    // with up to 1.5 pair times a sweep by 0.017, less than the 0.04 by which periods may be off
+    EXPECT_LT((body.state.velocity - truth).norm(), 0.02 * before) << damping;
   }
 }
 

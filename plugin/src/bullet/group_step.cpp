@@ -192,6 +192,7 @@ void setChoice(LinkedGroup& group, const SteppingChoice& choice) {
   group.stepper = choice.stepper;
   group.substeps = choice.substeps;
   group.cut = choice.cut;
+  for (SoftBodyData* body : group.bodies) limitSweeps(body->springs, choice.cut);
 }
 
 /// Restores the state of the points at the start of the tick.

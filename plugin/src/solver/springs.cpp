@@ -233,7 +233,7 @@ double elasticEnergy(const SpringArrays& springs, const Points& position) {
 namespace {
 
 /// Largest mean z of a sweep, see prepareDampers(), and largest number of sweeps in a substep.
-constexpr double kLargestMean = 1.0;
+constexpr double kLargestMean = 1.5;
 constexpr int kMostSweeps = 16;
 
 /// Returns the number of sweeps in a substep of dt seconds.
@@ -258,13 +258,17 @@ void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt)
   ++springs.revision;
   springs.dampHalf.resize(springs.size());
   springs.dampFull.resize(springs.size());
-  springs.sweeps = sweepsFor(springs, inverseMass, dt);
+  springs.sweeps = springs.oneSweep ? 1 : sweepsFor(springs, inverseMass, dt);
   const double time = dt / springs.sweeps;
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const double w = inverseMassesOf(springs, inverseMass, i), damping = springs->damping[i];
     springs.dampHalf[i] = networkDampingImpulse(damping, w, 0.5 * time);
     springs.dampFull[i] = networkDampingImpulse(damping, w, time);
   }
+}
+
+void limitSweeps(SpringArrays& springs, bool oneSweep) {
+  if (std::exchange(springs.oneSweep, oneSweep) != oneSweep) springs.damperTime = 0.0;
 }
 
 void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,

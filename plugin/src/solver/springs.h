@@ -48,6 +48,7 @@ struct SpringArrays {
   std::vector<double> dampHalf;  ///< kg, impulse per closing speed in a sweep of half a substep
   std::vector<double> dampFull;  ///< the same of a whole substep
   int sweeps = 0;           ///< sweeps over the dampers in each substep, see prepareDampers(); 0: no dampers
+  bool oneSweep = false;    ///< no more sweeps: fewer substeps than needed are a promise of time
   double damperTime = 0.0;  ///< s, substep of dampHalf and dampFull; 0 after a change of an inverse mass
   unsigned revision = 1;    ///< counts the changes of constants, dampers and inverse masses
 
@@ -175,8 +176,11 @@ inline double inverseMassesOf(const SpringArrays& springs, const Points& inverse
 ///
 /// One sweep stops pairs whose z = c (wa + wb) dt is large, and slows a motion of the whole body down much
 /// less than their dampers should. So the substep is divided into up to 16 sweeps, until the mean z is at
-/// most 1.
+/// most 1.5, unless oneSweep.
 void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt);
+
+/// Sets oneSweep.
+void limitSweeps(SpringArrays& springs, bool oneSweep);
 
 enum class SweepOrder { Forward, Backward };
 
