@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -135,17 +134,6 @@ Material materialOf(Feel feel) {
   return Material::rubber();
 }
 
-namespace {
-
-std::string threeDigits(double value) {
-  std::ostringstream text;
-  text.precision(3);
-  text << value;
-  return text.str();
-}
-
-}  // namespace
-
 SceneResult createMeshDrop(const SceneOptions& options) {
   if (options.meshFile.empty()) return Error{"the scene mesh needs a file"};
   CookSettings settings = options.cook;
@@ -163,8 +151,11 @@ SceneResult createMeshDrop(const SceneOptions& options) {
   if (!reason.empty()) return Error{options.meshFile + ": " + reason};
   for (const std::string& line : mesh.cooked.report)
     if (!line.empty()) scene->notes.push_back(line);
-  if (options.scale)
-    scene->notes.push_back("size: " + threeDigits(*options.scale) + " times all lengths above");
+  if (options.scale) {
+    char line[80];
+    std::snprintf(line, sizeof line, "size: %.3g times all lengths above", *options.scale);
+    scene->notes.push_back(line);
+  }
   noteOddSize(*scene, mesh.size);
   const bool isHard = options.feel == Feel::Rubber || options.feel == Feel::Stiff;
   const double reach = kFarAway * scene->view.box.diagonal().norm();

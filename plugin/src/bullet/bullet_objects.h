@@ -102,6 +102,24 @@ inline btScalar rotationSpeed(const btRigidBody& body) {
   return spin > 0 ? spin * body.getCollisionShape()->getAngularMotionDisc() : btScalar(0);
 }
 
+/// Returns the radius (m) of the sphere around an object's shape.
+inline double boundingRadiusOf(const btCollisionObject& object) {
+  btVector3 center;
+  btScalar radius;
+  object.getCollisionShape()->getBoundingSphere(center, radius);
+  return double(radius);
+}
+
+/// Returns whether both objects have a contact response, and Bullet's broadphase pairs the two, by groups and
+/// masks or by the user's btOverlapFilterCallback.
+inline bool arePaired(const btDynamicsWorld& world, const btCollisionObject& one,
+                      const btCollisionObject& other) {
+  auto* first = const_cast<btBroadphaseProxy*>(one.getBroadphaseHandle());
+  auto* second = const_cast<btBroadphaseProxy*>(other.getBroadphaseHandle());
+  return first && second && one.hasContactResponse() && other.hasContactResponse() &&
+         const_cast<btDynamicsWorld&>(world).getPairCache()->needsBroadphaseCollision(first, second);
+}
+
 /// Calls visit(object) for the objects whose boxes in the broadphase overlap a box (m).
 template <class Visit>
 void forEachObjectIn(const btCollisionWorld& world, const btVector3& low, const btVector3& high,

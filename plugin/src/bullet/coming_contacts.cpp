@@ -34,13 +34,6 @@ constexpr btScalar kApart = btScalar(0.001), kApartShare = btScalar(0.003);
 /// Contacts are nearer to each other than this share of the body's radius only if they are one.
 constexpr btScalar kSamePlace = btScalar(0.05);
 
-btScalar radiusOf(const btCollisionObject& object) {
-  btVector3 center;
-  btScalar radius;
-  object.getCollisionShape()->getBoundingSphere(center, radius);
-  return radius;
-}
-
 /// Returns the displacement (m) of an object in the tick if nothing else acts on it.
 btVector3 wayOf(const btCollisionObject& object, double tick) {
   if (isKinematic(object))
@@ -164,7 +157,7 @@ Touch firstTouch(const btCollisionObject& a, const btCollisionObject& b, const b
                 [&](const Part& partB) { first = sooner(first, partA, partB, way); });
   });
   if (first.normal.isZero()) return first;
-  first.apart = std::min(kApart, kApartShare * radiusOf(a));
+  first.apart = std::min(kApart, kApartShare * btScalar(boundingRadiusOf(a)));
   first.a.pose = displaced(first.a.pose, first.fraction * way + first.apart * first.normal);
   if (isPlane(b)) return first;
   // the cast's own have errors of 1e-3
@@ -256,12 +249,6 @@ btManifoldPoint pointAt(const btCollisionObject& a, const btCollisionObject& b,
 
 // --- pairs -------------------------------------------------------------------------------------------------
 
-bool collide(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisionObject& b) {
-  btBroadphaseProxy *first = a.getBroadphaseHandle(), *second = b.getBroadphaseHandle();
-  return first && second && a.hasContactResponse() && b.hasContactResponse() && a.checkCollideWith(&b) &&
-         b.checkCollideWith(&a) && world.getPairCache()->needsBroadphaseCollision(first, second);
-}
-
 /// Whether an object may touch another one at several places.
 bool hasFaces(const btCollisionObject& object) {
   const btCollisionShape& shape = *object.getCollisionShape();
@@ -312,10 +299,10 @@ ComingTouch comingTouch(const btCollisionObject& a, const btCollisionObject& b, 
 void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisionObject& other,
                const ContactSpeeds& speeds, TickContacts& found) {
   // the same for both orders
-  const bool swap = !isPlane(other) && (isPlane(one) || radiusOf(other) < radiusOf(one));
+  const bool swap = !isPlane(other) && (isPlane(one) || boundingRadiusOf(other) < boundingRadiusOf(one));
   btCollisionObject &a = swap ? other : one, &b = swap ? one : other;
   ContactPlaces places;
-  places.apart = kSamePlace * radiusOf(a);
+  places.apart = kSamePlace * btScalar(boundingRadiusOf(a));
   if (!addPresent(world, a, b, found.manifolds, places)) return;
   const ComingTouch coming = comingTouch(a, b, found.tick);
   if (!coming.comes()) return;
@@ -344,6 +331,14 @@ void findNear(const btDiscreteDynamicsWorld& world, const btRigidBody& body, dou
 
 }  // namespace
 
+double longestWay(const MovingObjects& objects, double tick) {
+  btScalar longest = 0;
+  for (const btRigidBody* body : objects.dynamic) longest = btMax(longest, wayOf(*body, tick).length());
+  for (const btCollisionObject* object : objects.kinematic)
+    longest = btMax(longest, wayOf(*object, tick).length());
+  return double(longest);
+}
+
 void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, double reach,
                        const ContactSpeeds& speeds, TickContacts& found) {
   btRigidBody& body = *found.rigids[number].body;
@@ -354,7 +349,8 @@ void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, dou
     const auto* rigid = static_cast<const btRigidBody*>(other);
     const std::uint32_t theirs = isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
     if (theirs != TickContacts::kNone && theirs <= number) continue;
-    if (collide(world, body, *other)) addComing(world, body, *other, speeds, found);
+    if (arePaired(world, body, *other) && body.checkCollideWith(other) && other->checkCollideWith(&body))
+      addComing(world, body, *other, speeds, found);
   }
 }
 

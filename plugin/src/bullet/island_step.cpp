@@ -127,7 +127,7 @@ double workOfSurroundings(const Island& island) {
 }
 
 /// Returns the work (J) of a part of the joints' speeds.
-double workOf(double JointSource::*speed, const Island& island, const TickContacts& found) {
+double workOfJoints(double JointSource::*speed, const Island& island, const TickContacts& found) {
   double work = 0.0;
   for (std::size_t i = 0; i < island.joints.size(); ++i)
     work += island.step.pairs.joints[i].impulse * found.jointSources[island.joints[i]].*speed;
@@ -187,9 +187,9 @@ void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
 /// Removes the increase of the energy in the tick from the motion, as far as joints have caused it by
 /// correcting their errors.
 void limitEnergy(Island& island, const TickContacts& found, double energyBefore) {
-  const double outer = workOfSurroundings(island) + workOf(&JointSource::kinematic, island, found);
+  const double outer = workOfSurroundings(island) + workOfJoints(&JointSource::kinematic, island, found);
   const double increase = energyOf(island.step) - energyBefore - outer;
-  const double excess = std::min(increase, workOf(&JointSource::recovery, island, found));
+  const double excess = std::min(increase, workOfJoints(&JointSource::recovery, island, found));
   if (!(excess > 0.0)) return;
   const CommonMotion motion = commonMotion(island.step);
   const double relative = relativeEnergy(island.step, motion);

@@ -42,13 +42,6 @@ int ticksOf(const KinematicMotion& m, btScalar tick) {
   return static_cast<int>(std::lround(std::min(std::max(ticks, 1.0), kMaxTicks)));
 }
 
-double boundingRadiusOf(const btCollisionObject& object) {
-  btVector3 center;
-  btScalar radius;
-  object.getCollisionShape()->getBoundingSphere(center, radius);
-  return double(radius);
-}
-
 /// m, displacement of the middle of the object's shape from one pose to the other.
 double displacementOf(const btCollisionObject& object, const btTransform& from, const btTransform& to) {
   btVector3 center;

@@ -113,17 +113,6 @@ Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick);
 
 // --- filters -----------------------------------------------------------------------------------------------
 
-/// Returns whether contacts of `own`, the surface object or a point in the world, with another object count:
-/// both have a contact response, and Bullet's broadphase pairs the two, by groups and masks or by the user's
-/// btOverlapFilterCallback.
-inline bool arePaired(const SoftBodyData& body, const btCollisionObject& own,
-                      const btCollisionObject& other) {
-  auto* first = const_cast<btBroadphaseProxy*>(own.getBroadphaseHandle());
-  auto* second = const_cast<btBroadphaseProxy*>(other.getBroadphaseHandle());
-  return first && second && own.hasContactResponse() && other.hasContactResponse() &&
-         body.world->getPairCache()->needsBroadphaseCollision(first, second);
-}
-
 /// Returns whether any of the body's points, or its surface, may collide with the object of this proxy. The
 /// body's own points and surface never do.
 inline bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
@@ -132,17 +121,18 @@ inline bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
   const SurfaceObject* surface = body.surface.object;
   if ((point && point->owner() == &body) || &object == surface || !object.hasContactResponse()) return false;
   if (surface)
-    return (SurfaceObject::from(&object) || surface->mayTouch(object)) && arePaired(body, *surface, object);
+    return (SurfaceObject::from(&object) || surface->mayTouch(object)) &&
+           arePaired(*body.world, *surface, object);
   const auto& points = body.masses.bodies;
   return std::any_of(points.begin(), points.end(),
-                     [&](const PointMass* p) { return p && arePaired(body, *p, object); });
+                     [&](const PointMass* p) { return p && arePaired(*body.world, *p, object); });
 }
 
 /// Returns whether point i may collide with an object that passed canHit() of its body.
 inline bool canHit(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {
   if (body.masses.bodies.empty()) return !isAttached(body, i, object);
   const PointMass& point = *body.masses.bodies[i];
-  return (body.surface.object || arePaired(body, point, object)) && point.checkCollideWith(&object) &&
+  return (body.surface.object || arePaired(*body.world, point, object)) && point.checkCollideWith(&object) &&
          object.checkCollideWith(&point);
 }
 

@@ -194,7 +194,7 @@ void SoftBodySystem::Impl::WorldStep::findIslands(btScalar tick) {
   warmStart(pairs);
   addLinkedRigids(awake, pairs);
   links.addJoints(pairs);
-  gatherRigidContacts(*world, tick, manifolds, pairs);
+  gatherRigidContacts(*world, objects, tick, manifolds, pairs);
   makeIslands(awake, pairs, tick, islands);
 }
 

@@ -546,27 +546,14 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
   }
 }
 
-/// Returns the largest displacement (m) of a dynamic body in a tick.
-double longestWay(const btDiscreteDynamicsWorld& world, double tick) {
-  double longest = 0.0;
-  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  for (int i = 0; i < objects.size(); ++i) {
-    const btRigidBody* body = btRigidBody::upcast(objects[i]);
-    if (body && isFree(*body) && !isSoft(body))
-      longest =
-          std::max(longest, tick * double(body->getLinearVelocity().length()) + fallOf(*body, tick).norm());
-  }
-  return longest;
-}
-
 }  // namespace
 
-void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
-                         TickContacts& found) {
+void gatherRigidContacts(btDiscreteDynamicsWorld& world, const MovingObjects& objects, btScalar tick,
+                         RigidManifolds& index, TickContacts& found) {
   startTick(index);
   if (found.rigids.empty()) return;
   fill(index, world);
-  const double reach = longestWay(world, double(tick));
+  const double reach = longestWay(objects, double(tick));
   const ContactSpeeds speeds = rigidSpeeds(world, double(gContactBreakingThreshold), tick);
   std::uint32_t next = 0;
   do {

@@ -23,6 +23,7 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
 struct ContactSpeeds;
+struct MovingObjects;
 struct SoftBodyData;
 struct StoredImpulse;
 
@@ -176,8 +177,8 @@ struct RigidManifolds {
 /// Bullet's solver then ignores the manifolds whose points it already has (btPersistentManifold::
 /// setContactProcessingThreshold). It still solves a manifold that may get new points in this tick because of
 /// fast motion. restoreBreakingThresholds() undoes this after the tick.
-void gatherRigidContacts(btDiscreteDynamicsWorld& world, btScalar tick, RigidManifolds& index,
-                         TickContacts& found);
+void gatherRigidContacts(btDiscreteDynamicsWorld& world, const MovingObjects& objects, btScalar tick,
+                         RigidManifolds& index, TickContacts& found);
 
 /// Adds a contact of two rigid bodies at a point of Bullet's. Its impulse is added to `reported`, which may
 /// be null.
@@ -185,9 +186,11 @@ void addRigidContact(TickContacts& found, const btCollisionObject& a, const btCo
                      const btManifoldPoint& point, const ContactSpeeds& speeds,
                      const ContactImpulse& guess = ContactImpulse(), btManifoldPoint* reported = nullptr);
 
+/// Returns the largest displacement (m) of a rigid body in the tick, while kinematic ones are Rewound.
+double longestWay(const MovingObjects& objects, double tick);
+
 /// Adds the contacts that rigid body `number` of found.rigids gets in the tick with bodies that it does not
-/// touch yet, except those that earlier bodies have added. `reach`: the largest displacement (m) of a body in
-/// the tick.
+/// touch yet, except those that earlier bodies have added. `reach` (m): longestWay().
 void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, double reach,
                        const ContactSpeeds& speeds, TickContacts& found);
 

@@ -343,7 +343,7 @@ bool haveSameBits(const Points& a, const Points& b) {
 }  // namespace
 
 bool canShareLanes(const SolverBody& a, const SolverBody& b) {
-  return constantsOf(a.springs) == constantsOf(b.springs) &&
+  return constantsOf(a.springs) == constantsOf(b.springs) && a.springs->oneSweep == b.springs->oneSweep &&
          constantsOf(a.volumes) == constantsOf(b.volumes) &&
          constantsOf(a.tetrahedra) == constantsOf(b.tetrahedra) && a.rest == b.rest &&
          haveSameBits(a.points->inverseMass, b.points->inverseMass);
