@@ -142,6 +142,44 @@ TEST(PairContacts, carryBoxesLightAndHeavyAndLieOnThem) {
   }
 }
 
+TEST(PairContacts, lightPointsOnTheFloorPassALoadOnAtOnce) {
+  // a box that turns on 20 points in a row: without supports the solve ends unfinished after 50 sweeps
+  constexpr std::uint32_t kCount = 20;
+  constexpr double kMass = 20.0, kDt = kTick / 10.0;
+  PointState cloth;
+  cloth.resize(kCount);
+  cloth.inverseMass.setConstant(1000.0);
+  Scene scene;
+  LinkedBodies& links = scene.island.links;
+  IslandConstraints& rows = scene.island.pairs;
+  links.points.push_back(&cloth);
+  links.views.push_back(viewOf(cloth));
+  const std::uint32_t box = scene.addBox(kMass, {0, 0.5, 0});
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    cloth.position.col(i) = Vector3d(0.05 * i - 0.475, 0, 0.3 * (i % 2));
+    scene.add(point(0, i), {}, 0.0);
+    scene.add(point(0, i), corner(box, cloth.position.col(i) - Vector3d(0, 0.5, 0)), 0.0, -Vector3d::UnitY());
+  }
+  for (RigidState& rigid : links.rigids) {
+    rigid.turn();
+    rigid.velocity = {0.01, -kGravity * kDt, 0};
+    rigid.angularVelocity = {0.02, 0.0, 0.03};
+  }
+  prepareConstraints(rows, links);
+  Team alone;
+  rows.tolerance = 1e-4;
+  const int sweeps = solvePositions(rows, links, alone, kDt, kTick);
+  EXPECT_LT(sweeps, 35);
+  EXPECT_GT(cloth.velocity.row(1).minCoeff(), -rows.tolerance);
+  double floor = 0.0;
+  for (const ContactConstraint& row : rows.rows) {
+    EXPECT_GE(row.positionImpulse.n, 0.0);
+    if (row.axes[0][1] > 0.0) floor += row.positionImpulse.n;
+  }
+  const double change = links.rigids[box].velocity.y() + kGravity * kDt;
+  EXPECT_NEAR(floor, kMass * change + 1e-3 * cloth.velocity.row(1).sum(), 1e-12);
+}
+
 TEST(PairContacts, keepMomentumAndLoseEnergyInFreeFlight) {
   Scene scene;
   const std::uint32_t left = scene.addCube(1e4, 0.1, {0, 0, 0}),

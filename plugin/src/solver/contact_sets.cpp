@@ -139,6 +139,37 @@ std::uint32_t nodeWith(const double* velocity, IslandConstraints& rows) {
   return node;
 }
 
+/// Least cosine of the angle between the impulses of a row and of a support, negated.
+constexpr double kOpposite = 0.5;
+
+bool isOpposite(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t point,
+                std::uint32_t support) {
+  const double *n = row.axes[0], share = rows.points[point].share;
+  const double cosine = along(rows.rows[support].axes[0], {n[0], n[1], n[2]});
+  return share * cosine < -kOpposite * std::abs(share);
+}
+
+/// Sets `supportOf`.
+void findSupports(IslandConstraints& rows) {
+  constexpr std::uint32_t kNone = ConstraintNode::kNoSupport;
+  std::vector<std::uint32_t>& ofNode = rows.weights;
+  ofNode.assign(rows.nodes.size(), kNone);
+  for (std::uint32_t i = 0; i < rows.rows.size(); ++i)
+    if (isOfPoint(contactOf(rows, i)) && rows.rows[i].mass > 0.0)
+      ofNode[rows.nodeOf[rows.rows[i].firstPoint]] = i;
+  rows.supportOf.assign(rows.points.size(), kNone);
+  for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
+    const ContactConstraint& row = rows.rows[i];
+    if (contactOf(rows, i).b.kind == ContactPoint::Kind::World) continue;
+    for (std::uint32_t p = row.firstPoint; p < row.endPoint; ++p) {
+      const std::uint32_t support = ofNode[rows.nodeOf[p]];
+      if (support == kNone || !isOpposite(rows, row, p, support)) continue;
+      rows.supportOf[p] = support;
+      rows.rowNodes[i].isSupported = true;
+    }
+  }
+}
+
 }  // namespace
 
 void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies) {
@@ -152,8 +183,9 @@ void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies) {
   rows.rowNodes.clear();
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const RowBodies of = bodiesOf(contactOf(rows, i), bodies);
-    rows.rowNodes.push_back({of.a, of.b, rows.rows[i].firstPoint, rows.rows[i].endPoint, false});
+    rows.rowNodes.push_back({of.a, of.b, rows.rows[i].firstPoint, rows.rows[i].endPoint, false, false});
   }
+  findSupports(rows);
   rows.changedIn.resize(bodies.points.size() + bodies.rigids.size());
 }
 

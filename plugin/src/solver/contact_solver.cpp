@@ -97,16 +97,25 @@ inline bool addFriction(const ContactConstraint& row, double u, double v, double
 /// with the row's softness. `sum` (N s) is the present impulse. If its work would be more than maxWork, the
 /// result n is smaller: with the impulse n0 for speed 0,
 ///     n (n - n0) / m = maxWork,
-/// or, if that is larger, the impulse for freeSpeed.
-inline double normalImpulse(const ContactConstraint& row, double sum, double target, double speed) {
-  const double yielding = row.softness * (sum - kKept * row.before.n);
+/// or, if that is larger, the impulse for freeSpeed. `mass` (kg) and `softness` are the row's,
+/// unless it is supported.
+inline double normalImpulse(const ContactConstraint& row, double mass, double softness, double sum,
+                            double target, double speed) {
+  const double yielding = softness * (sum - kKept * row.before.n);
   const auto impulseFor = [&](double wanted) {
-    return std::max(0.0, sum + ((wanted - speed) * row.mass - yielding) / (1.0 + row.softness));
+    return std::max(0.0, sum + ((wanted - speed) * mass - yielding) / (1.0 + softness));
   };
-  const double n = impulseFor(target), atRest = sum - speed * row.mass;
-  if (!(n * (n - atRest) > row.mass * row.maxWork)) return n;
-  const double limited = 0.5 * (atRest + std::sqrt(atRest * atRest + 4.0 * row.mass * row.maxWork));
+  const double n = impulseFor(target), atRest = sum - speed * mass;
+  if (!(n * (n - atRest) > mass * row.maxWork)) return n;
+  const double limited = 0.5 * (atRest + std::sqrt(atRest * atRest + 4.0 * mass * row.maxWork));
   return std::max(limited, impulseFor(std::min(target, row.freeSpeed)));
+}
+
+/// Sets row.change. `forced`: the minimum of addFriction() has made the step longer.
+inline void noteReversal(ContactConstraint& row, const ContactVector& change, bool forced) {
+  if (forced && change.u * row.change.u + change.v * row.change.v < 0.0)
+    row.minFrictionChange *= kAfterReversal;
+  row.change = change;
 }
 
 /// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
@@ -115,17 +124,15 @@ inline void solveContact(IslandConstraints& rows, ContactConstraint& row, Contac
                          bool free) {
   const ContactVector speeds = speedsOf(rows, row), earlier = total;
   ContactVector sum = earlier;
-  sum.n = normalImpulse(row, sum.n, target, speeds.n);
+  sum.n = normalImpulse(row, row.mass, row.softness, sum.n, target, speeds.n);
   const double normalChange = sum.n - earlier.n;
   if (free) row.maxFriction = row.friction * sum.n;
   const bool forced = addFriction(row, speeds.u + normalChange * row.acrossAlong[0],
                                   speeds.v + normalChange * row.acrossAlong[1],
                                   free ? row.minFrictionChange : 0.0, kSlowSliding * rows.tolerance, sum);
   const ContactVector change{normalChange, sum.u - earlier.u, sum.v - earlier.v};
-  if (forced && change.u * row.change.u + change.v * row.change.v < 0.0)
-    row.minFrictionChange *= kAfterReversal;
   applyImpulse(rows, row, change);
-  row.change = change;
+  noteReversal(row, change, forced);
   total = sum;
 }
 
@@ -160,11 +167,6 @@ double largestMobility(const ConstraintRotation& r) {
   return r.body->inverseMass.maxCoeff() * r.inverseFactor + largest;
 }
 
-/// Whether side a is a single point mass and side b a static or kinematic object.
-bool isOfPoint(const Contact& c) {
-  return isSoft(c.a) && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
-}
-
 /// Returns the largest work (J) of a contact in a substep of `share` of the tick that removes an overlap.
 /// There is no limit where nothing soft or anchored yields.
 double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, const ContactConstraint& row,
@@ -192,6 +194,24 @@ void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstrain
   if (row.bounces) row.softness = 0.0, row.maxWork = HUGE_VAL;
 }
 
+/// The contacts of a row's points with static or kinematic objects, opposite to the row.
+///
+/// A light point between a heavy body and the floor takes up only a share of m / M of the body's impulse in a
+/// sweep. So a change of the row's impulse along the normal is passed on to the support at once: the point
+/// keeps its speed along the support's normal, and the row's mobility is
+///     K = K_rr - K_rs^2 / K_ss,
+/// nearly that of the heavy body alone, with the speed K_xy at x per impulse at y.
+struct Supports {
+  double unsupported;             ///< 1/kg, K_rr
+  double mobility = unsupported;  ///< 1/kg, K
+  std::size_t count = 0;
+  std::array<std::uint32_t, 6> rows{};
+  std::array<double, 6> ratios{};  ///< impulse that is passed on per impulse of the row
+};
+
+/// Least K / K_rr: a point between two heavy objects that cannot move.
+constexpr double kLeastMobility = 1e-9;
+
 /// One stage of all rows of an island. Contacts without an impulse that are not violated either are left out
 /// of the sweeps, and tested again after these.
 ///
@@ -212,10 +232,76 @@ struct Solve {
   auto& impulse(Row& row) const {
     return stage == Stage::Positions ? row.positionImpulse : row.velocityImpulse;
   }
-  void apply(ContactConstraint& row, const ContactVector& change) const { applyImpulse(rows, row, change); }
+  void apply(ContactConstraint& row, const ContactVector& change) const {
+    applyImpulse(rows, row, change);
+    if (rows.rowNodes[static_cast<std::size_t>(&row - rows.rows.data())].isSupported)
+      passOn(supportsOf(row), change.n);
+  }
   void apply(JointConstraint& j, double change) const { applyImpulse(bodies, j, change); }
   void apply(LinkAnchor& anchor, const Vector3d& change) const {
     limber::applyImpulse(bodies, anchor, change);
+  }
+
+  /// Returns the supports of a row that have an impulse.
+  Supports supportsOf(const ContactConstraint& row) const {
+    Supports found{row.mobility};
+    for (std::uint32_t p = row.firstPoint; p < row.endPoint; ++p) {
+      const std::uint32_t i = rows.supportOf[p];
+      if (i == ConstraintNode::kNoSupport || !rows.rows[i].active || !(impulse(rows.rows[i]).n > 0.0))
+        continue;
+      const ContactConstraint& support = rows.rows[i];
+      const ConstraintPoint &above = rows.points[p], &below = rows.points[support.firstPoint];
+      double ofSupport = 0.0, ofRow = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        const double axes = row.axes[0][k] * support.axes[0][k];
+        ofSupport += below.share * above.response[k] * axes;
+        ofRow += above.share * below.response[k] * axes;
+      }
+      const double ratio = -ofSupport * support.mass;
+      found.mobility += ratio * ofRow;
+      found.rows[found.count] = i, found.ratios[found.count++] = ratio;
+    }
+    return found;
+  }
+
+  /// Adds to the supports' impulses what keeps their speeds when a row's impulse changes along the normal.
+  void passOn(const Supports& supports, double change) const {
+    for (std::size_t k = 0; k < supports.count; ++k) {
+      ContactConstraint& support = rows.rows[supports.rows[k]];
+      const double added = supports.ratios[k] * change;
+      applyImpulse(rows, support, {added, 0.0, 0.0});
+      impulse(support).n += added;
+    }
+  }
+
+  bool canPassOn(const Supports& supports, double change) const {
+    for (std::size_t k = 0; k < supports.count; ++k)
+      if (impulse(rows.rows[supports.rows[k]]).n + supports.ratios[k] * change < 0.0) return false;
+    return supports.count > 0 && supports.mobility > kLeastMobility * supports.unsupported;
+  }
+
+  /// Solves a contact together with the supports of its points. Returns the mobility along the normal (1/kg).
+  double solveSupported(ContactConstraint& row, bool free) const {
+    const Supports supports = supportsOf(row);
+    ContactVector& total = impulse(row);
+    const double mass = 1.0 / supports.mobility, softness = row.softness * row.mobility * mass;
+    const double n = normalImpulse(row, mass, softness, total.n, row.target, speedAlong(rows, row));
+    const double change = n - total.n;
+    if (!canPassOn(supports, change)) {
+      solveContact(rows, row, total, row.target, free);
+      return row.mobility;
+    }
+    applyImpulse(rows, row, {change, 0.0, 0.0});
+    passOn(supports, change);
+    ContactVector sum = {n, total.u, total.v};
+    if (free) row.maxFriction = row.friction * n;
+    const ContactVector speeds = speedsOf(rows, row);
+    const bool forced = addFriction(row, speeds.u, speeds.v, free ? row.minFrictionChange : 0.0,
+                                    kSlowSliding * rows.tolerance, sum);
+    applyImpulse(rows, row, {0.0, sum.u - total.u, sum.v - total.v});
+    noteReversal(row, {change, sum.u - total.u, sum.v - total.v}, forced);
+    total = sum;
+    return supports.mobility;
   }
 
   template <class Visit>
@@ -258,7 +344,7 @@ struct Solve {
     if (!takesPart || sum.n <= 0.0) sum = ContactVector();
     row.before = sum;
     if (sum.n > 0.0 || (takesPart && stage == Stage::Velocities)) activate(set, i);
-    if (sum.n > 0.0) apply(row, sum);
+    if (sum.n > 0.0) applyImpulse(rows, row, sum);
   }
 
   void start() {
@@ -364,12 +450,14 @@ struct Solve {
       solveJoint(bodies, j, impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }
-    for (LinkAnchor& anchor : bodies.anchors) {
-      const Vector3d error = speedError(bodies, anchor, dt);
-      anchor.change = -(anchor.mass * error);
-      apply(anchor, anchor.change);
-      impulse(anchor) += anchor.change;
-      change.add(error, anchor.change);
+    for (const AnchorSet& set : bodies.anchorSets) {
+      findChanges(bodies, set, dt);
+      for (std::uint32_t k = set.begin; k < set.end; ++k) {
+        LinkAnchor& anchor = bodies.anchors[bodies.anchorOrder[k]];
+        apply(anchor, anchor.change);
+        impulse(anchor) += anchor.change;
+        change.add(anchor.error, anchor.change);
+      }
     }
     return change;
   }
@@ -381,8 +469,14 @@ struct Solve {
     forEachActive(set, [&](std::uint32_t i, ContactConstraint& row) {
       if (leavesOut(i, all)) return;
       rows.swept[swept++] = i;
-      solveContact(rows, row, impulse(row), row.target, free);
-      change.add(row.change.squaredNorm(), row.mobility);
+      if (rows.rowNodes[i].isSupported) {
+        const double mobility = solveSupported(row, free);
+        change.add(row.change.n * row.change.n, mobility);
+        change.add(row.change.u * row.change.u + row.change.v * row.change.v, row.mobility);
+      } else {
+        solveContact(rows, row, impulse(row), row.target, free);
+        change.add(row.change.squaredNorm(), row.mobility);
+      }
       noteChange(i, row.change);
     });
     set.sweptCount = swept - set.begin;

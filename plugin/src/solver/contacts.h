@@ -193,10 +193,12 @@ struct RowNodes {
   std::uint32_t a, b;        ///< see bodiesOf()
   std::uint32_t begin, end;  ///< in IslandConstraints::nodeOf, of the row's points
   bool isLeftOut;            ///< by the last sweep; the row's change and direction are 0
+  bool isSupported;          ///< see IslandConstraints::supportOf
 };
 
 /// A point mass or rigid body that contacts change.
 struct ConstraintNode {
+  static constexpr std::uint32_t kNoSupport = static_cast<std::uint32_t>(-1);
   int changedIn;   ///< the last sweep that changed it by more than the tolerance
   double changed;  ///< m/s, bound of its change since then
 };
@@ -222,6 +224,8 @@ struct IslandConstraints {
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<std::uint32_t> nodeOf;  ///< #points
   std::vector<ConstraintNode> nodes;
+  std::vector<std::uint32_t> supportOf;  ///< #points: the row by which the point lies on a static or
+                                         ///< kinematic object, opposite to its own row; kNoSupport: none
   std::vector<ConstraintRotation> rotations;
   std::vector<RowSet> sets;           ///< small islands have one
   std::vector<Range> phases;          ///< of `sets`; the sets of a phase have no body in common
@@ -270,7 +274,7 @@ void turnSurfaces(IslandConstraints& rows, double time);
 void divideRows(IslandConstraints& rows, const LinkedBodies& bodies);
 
 /// Numbers the point masses and rigid bodies of the rows in the order of the rows: sets `nodeOf`, `rowNodes`
-/// and the number of `nodes`.
+/// and the number of `nodes`. Sets `supportOf`.
 void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies);
 
 /// Calls visit(set) for all sets, for those of a phase at the same time.
@@ -304,6 +308,11 @@ void updateGaps(IslandConstraints& rows, Team& team, double dt);
 /// Writes gaps and impulses back to the contacts. Call it after the last substep, or before contacts are
 /// changed.
 void finishConstraints(IslandConstraints& rows);
+
+/// Whether side a is a single point mass and side b a static or kinematic object.
+inline bool isOfPoint(const Contact& c) {
+  return c.a.kind == ContactPoint::Kind::Soft && c.a.count == 1 && c.b.kind == ContactPoint::Kind::World;
+}
 
 /// Adjusts a contact between moving bodies so that its impulses act along one line at the present positions
 /// and change no angular momentum. Used for contacts that are about to have an impulse: the contact points of

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 namespace limber {
 
@@ -65,11 +67,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-/// Anchors on one rigid body disturb each other. Gauss-Seidel sweeps over them end when no velocity error
-/// exceeds this (m/s), or after the largest number of sweeps.
-constexpr double kAnchorTolerance = 1e-10;
-constexpr int kAnchorSweeps = 50;
 
 Vector3d arm(const LinkedBodies& bodies, const LinkEnd& end) {
   return bodies.rigids[end.body].rotation * end.pivot;
@@ -175,32 +172,6 @@ void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
   applyImpulse(bodies, s.b, -impulse);
 }
 
-/// Returns the position of the end after a drift of dt, as computed by drift().
-Vector3d driftedPosition(const LinkedBodies& bodies, const LinkEnd& end, double dt) {
-  if (end.kind != LinkEnd::Kind::Rigid) return endPosition(bodies, end) + dt * endVelocity(bodies, end);
-  const RigidState& rigid = bodies.rigids[end.body];
-  return rigid.position + dt * rigid.velocity + rotationBy(dt * rigid.angularVelocity) * arm(bodies, end);
-}
-
-/// Share of the cube of a mobility's trace: with a larger determinant its cofactors lose few digits.
-constexpr double kMinDeterminant = 1e-6;
-
-/// Returns the inverse of a mobility, with 0 along an axis along which both sides are held.
-Matrix3d inverseMobility(const Matrix3d& mobility) {
-  const double size = mobility.trace();
-  const bool isRegular = mobility.determinant() > kMinDeterminant * size * size * size;
-  return isRegular ? Matrix3d(mobility.inverse()) : pseudoInverse(mobility);
-}
-
-/// Share of an error that is removed per tick, as in Bullet's joints (btContactSolverInfo::m_erp).
-constexpr double kRecoveryPerTick = 0.2;
-
-/// Largest share of an error that is removed per substep.
-constexpr double kRecoveryPerSubstep = 0.2;
-
-/// m/s; slower errors come from solves and rounding, and may be removed at once.
-constexpr double kSlowRecovery = 1e-3;
-
 }  // namespace
 
 Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end) { return positionAt(bodies, end); }
@@ -260,58 +231,198 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies) {
   return bound;
 }
 
+// --- anchors -----------------------------------------------------------------------------------------------
+
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// Share of the cube of a mobility's trace: with a larger determinant its cofactors lose few digits.
+constexpr double kMinDeterminant = 1e-6;
+
+/// Returns the inverse of a mobility, with 0 along an axis along which both sides are held.
+Matrix3d inverseMobility(const Matrix3d& mobility) {
+  const double size = mobility.trace();
+  const bool isRegular = mobility.determinant() > kMinDeterminant * size * size * size;
+  return isRegular ? Matrix3d(mobility.inverse()) : pseudoInverse(mobility);
+}
+
+/// Share of an error that is removed per tick, as in Bullet's joints (btContactSolverInfo::m_erp).
+constexpr double kRecoveryPerTick = 0.2;
+
+/// Largest share of an error that is removed per substep.
+constexpr double kRecoveryPerSubstep = 0.2;
+
+/// m/s; slower errors come from solves and rounding, and may be removed at once.
+constexpr double kSlowRecovery = 1e-3;
+
+/// The sweeps of joinVelocities() end when no velocity error exceeds this (m/s), or after the largest number.
+constexpr double kAnchorTolerance = 1e-10;
+constexpr int kAnchorSweeps = 50;
+
+const RigidState& bodyOf(const LinkedBodies& bodies, const LinkAnchor& anchor) {
+  return bodies.rigids[anchor.pivot.body];
+}
+
+/// 1/kg per axis, of the anchor's point.
+Vector3d inverseMassOf(const LinkedBodies& bodies, const LinkAnchor& anchor) {
+  return pointsAt(bodies, anchor.point).inverseMassOf(anchor.point.point);
+}
+
+/// Whether the anchor can be solved together with others on its body.
+bool isShared(const LinkedBodies& bodies, const LinkAnchor& anchor) {
+  return !anchor.held && inverseMassOf(bodies, anchor).minCoeff() > 0.0;
+}
+
+LinkAnchor& anchorAt(LinkedBodies& bodies, std::uint32_t place) {
+  return bodies.anchors[bodies.anchorOrder[place]];
+}
+
+/// Sets `anchorOrder` and `anchorSets`.
+void divideAnchors(LinkedBodies& bodies) {
+  const auto keyOf = [&](std::uint32_t i) {
+    const LinkAnchor& anchor = bodies.anchors[i];
+    return std::tuple(anchor.pivot.body, !isShared(bodies, anchor), i);
+  };
+  bodies.anchorSets.clear();
+  bodies.anchorOrder.resize(bodies.anchors.size());
+  std::iota(bodies.anchorOrder.begin(), bodies.anchorOrder.end(), 0u);
+  std::sort(bodies.anchorOrder.begin(), bodies.anchorOrder.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return keyOf(a) < keyOf(b); });
+  for (std::uint32_t k = 0; k < bodies.anchorOrder.size(); ++k) {
+    const LinkAnchor& anchor = anchorAt(bodies, k);
+    const bool joins = k > 0 && isShared(bodies, anchor) && isShared(bodies, anchorAt(bodies, k - 1)) &&
+                       anchorAt(bodies, k - 1).pivot.body == anchor.pivot.body;
+    if (!joins) bodies.anchorSets.emplace_back().begin = k;
+    bodies.anchorSets.back().end = k + 1;
+  }
+}
+
+Matrix3d crossOf(const Vector3d& v) {
+  Matrix3d cross;
+  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return cross;
+}
+
+/// Sets `solve` as  (1 + M^-1 A)^-1 M^-1  with  A = sum J^T m J,  which is regular where M^-1 is not.
+void updateSet(LinkedBodies& bodies, AnchorSet& set) {
+  Matrix6d a = Matrix6d::Zero(), mobility = Matrix6d::Zero();
+  for (std::uint32_t k = set.begin; k < set.end; ++k) {
+    const LinkAnchor& anchor = anchorAt(bodies, k);
+    const Vector3d mass = inverseMassOf(bodies, anchor).cwiseInverse();
+    const Matrix3d r = crossOf(anchor.arm), coupling = r * mass.asDiagonal();
+    a.topLeftCorner<3, 3>().diagonal() += mass;
+    a.bottomLeftCorner<3, 3>() += coupling;
+    a.bottomRightCorner<3, 3>() -= coupling * r;
+  }
+  a.topRightCorner<3, 3>() = a.bottomLeftCorner<3, 3>().transpose();
+  const RigidState& rigid = bodyOf(bodies, anchorAt(bodies, set.begin));
+  mobility.topLeftCorner<3, 3>().diagonal() = rigid.inverseMass;
+  mobility.bottomRightCorner<3, 3>() = rigid.inverseInertia;
+  set.solve = (Matrix6d::Identity() + mobility * a).partialPivLu().solve(mobility);
+}
+
+/// Sets the velocity errors of a set.
+void findErrors(LinkedBodies& bodies, const AnchorSet& set, double dt) {
+  const RigidState& rigid = bodyOf(bodies, anchorAt(bodies, set.begin));
+  const bool drifts = dt != 0.0 && !anchorAt(bodies, set.begin).held;
+  const Matrix3d turned =
+      drifts ? (rotationBy(dt * rigid.angularVelocity) * rigid.rotation).toRotationMatrix() : Matrix3d();
+  for (std::uint32_t k = set.begin; k < set.end; ++k) {
+    LinkAnchor& anchor = anchorAt(bodies, k);
+    const Vector3d velocity = endVelocity(bodies, anchor.point);
+    if (dt == 0.0) {
+      anchor.error = velocity - (anchor.held ? anchor.speed : rigid.velocityAt(anchor.arm));
+      continue;
+    }
+    const Vector3d pivot = drifts
+                               ? Vector3d(rigid.position + dt * rigid.velocity + turned * anchor.pivot.pivot)
+                               : anchor.drifted;
+    anchor.error = (positionAt(bodies, anchor.point) + dt * velocity - pivot - anchor.apart) / dt;
+  }
+}
+
+}  // namespace
+
 void prepareAnchors(LinkedBodies& bodies) {
   for (LinkAnchor& anchor : bodies.anchors) {
-    const RigidState& rigid = bodies.rigids[anchor.pivot.body];
+    const RigidState& rigid = bodyOf(bodies, anchor);
     anchor.held = rigid.inverseMass.isZero(0.0) && rigid.inverseInertia.isZero(0.0);
     if (anchor.held) anchor.mass = inverseMobility(mobility(bodies, anchor.point));
     anchor.impulse.setZero();
   }
+  divideAnchors(bodies);
 }
 
 void updateAnchors(LinkedBodies& bodies) {
-  for (LinkAnchor& anchor : bodies.anchors)
-    if (anchor.held)
-      anchor.speed = endVelocity(bodies, anchor.pivot);
-    else
+  for (LinkAnchor& anchor : bodies.anchors) {
+    anchor.arm = arm(bodies, anchor.pivot);
+    if (anchor.held) anchor.speed = bodyOf(bodies, anchor).velocityAt(anchor.arm);
+  }
+  for (AnchorSet& set : bodies.anchorSets) {
+    LinkAnchor& anchor = anchorAt(bodies, set.begin);
+    if (!set.isSingle())
+      updateSet(bodies, set);
+    else if (!anchor.held)
       anchor.mass = inverseMobility(mobility(bodies, anchor.point) + mobility(bodies, anchor.pivot));
+  }
 }
 
 void aimAnchors(LinkedBodies& bodies, double dt, double tick) {
   for (LinkAnchor& anchor : bodies.anchors) {
-    const Vector3d error = endPosition(bodies, anchor.point) - endPosition(bodies, anchor.pivot);
+    const RigidState& rigid = bodyOf(bodies, anchor);
+    const Vector3d error = positionAt(bodies, anchor.point) - (rigid.position + anchor.arm);
     const double size = error.norm(), minCorrection = kSlowRecovery * dt;
     const double share = std::max(kRecoveryPerTick * dt / tick, size > 0.0 ? minCorrection / size : 0.0);
     // a held body follows its prescribed motion, and the point follows the body
-    const bool held = bodies.rigids[anchor.pivot.body].inverseMass.isZero(0.0);
+    const bool held = rigid.inverseMass.isZero(0.0);
     anchor.apart = (1.0 - (held ? 1.0 : std::min(share, kRecoveryPerSubstep))) * error;
-    if (anchor.held) anchor.drifted = driftedPosition(bodies, anchor.pivot, dt);
+    if (anchor.held)
+      anchor.drifted =
+          rigid.position + dt * rigid.velocity + rotationBy(dt * rigid.angularVelocity) * anchor.arm;
   }
 }
 
-Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt) {
-  if (dt == 0.0)
-    return endVelocity(bodies, anchor.point) -
-           (anchor.held ? anchor.speed : endVelocity(bodies, anchor.pivot));
-  const Vector3d end = driftedPosition(bodies, anchor.point, dt) -
-                       (anchor.held ? anchor.drifted : driftedPosition(bodies, anchor.pivot, dt));
-  return (end - anchor.apart) / dt;
+void findChanges(LinkedBodies& bodies, const AnchorSet& set, double dt) {
+  findErrors(bodies, set, dt);
+  if (set.isSingle()) {
+    LinkAnchor& anchor = anchorAt(bodies, set.begin);
+    anchor.change = -(anchor.mass * anchor.error);
+    return;
+  }
+  Vector6d sum = Vector6d::Zero();
+  for (std::uint32_t k = set.begin; k < set.end; ++k) {
+    const LinkAnchor& anchor = anchorAt(bodies, k);
+    const Vector3d f = anchor.error.cwiseQuotient(inverseMassOf(bodies, anchor));
+    sum.head<3>() -= f;
+    sum.tail<3>() -= anchor.arm.cross(f);
+  }
+  const Vector6d u = set.solve * sum;
+  for (std::uint32_t k = set.begin; k < set.end; ++k) {
+    LinkAnchor& anchor = anchorAt(bodies, k);
+    const Vector3d at = u.head<3>() + Vector3d(u.tail<3>()).cross(anchor.arm);
+    anchor.change = -(anchor.error + at).cwiseQuotient(inverseMassOf(bodies, anchor));
+  }
 }
 
 void applyImpulse(LinkedBodies& bodies, const LinkAnchor& anchor, const Vector3d& impulse) {
   applyImpulse(bodies, anchor.point, impulse);
-  if (!anchor.held) applyImpulse(bodies, anchor.pivot, -impulse);
+  if (!anchor.held) bodies.rigids[anchor.pivot.body].applyImpulse(-impulse, anchor.arm);
 }
 
 void joinVelocities(LinkedBodies& bodies) {
   updateAnchors(bodies);
   for (int sweep = 0; sweep < kAnchorSweeps && !bodies.anchors.empty(); ++sweep) {
     double largest = 0.0;
-    for (LinkAnchor& anchor : bodies.anchors) {
-      const Vector3d error = speedError(bodies, anchor, 0.0), impulse = -(anchor.mass * error);
-      applyImpulse(bodies, anchor, impulse);
-      anchor.impulse += impulse;
-      largest = std::max(largest, error.norm());
+    for (const AnchorSet& set : bodies.anchorSets) {
+      findChanges(bodies, set, 0.0);
+      for (std::uint32_t k = set.begin; k < set.end; ++k) {
+        LinkAnchor& anchor = anchorAt(bodies, k);
+        applyImpulse(bodies, anchor, anchor.change);
+        anchor.impulse += anchor.change;
+        largest = std::max(largest, anchor.error.norm());
+      }
     }
     if (largest <= kAnchorTolerance) return;
   }

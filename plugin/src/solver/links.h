@@ -96,11 +96,28 @@ struct LinkAnchor {
   // Written by the step.
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s on the point, sum over the tick
   Eigen::Vector3d apart = Eigen::Vector3d::Zero();    ///< m, target offset of the point from the pivot
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();      ///< m, of the pivot from the centre of mass
   Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();     ///< kg, impulse on the point per velocity
   bool held = false;                                  ///< no impulse moves the rigid body
   Eigen::Vector3d drifted = Eigen::Vector3d::Zero();  ///< m, of a held pivot after the drift
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();    ///< m/s, of a held pivot
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();    ///< m/s, see AnchorSet
   Eigen::Vector3d direction = Eigen::Vector3d::Zero(), change = Eigen::Vector3d::Zero();  ///< scratch
+};
+
+/// Anchors that are solved together: all on one rigid body whose points can move, or a single one.
+///
+/// One after the other they would need the more sweeps the heavier the points are beside the body, and an
+/// unfinished solve feeds its rest into the next one: points of nineteen times the body's moment of inertia
+/// exploded. Together they have one solution. With the error e_i of an anchor (its point's velocity less that
+/// of its pivot), the mass m_i of its point, J_i = [1, -r_i x] and the body's mass matrix M, the impulses are
+///     l_i = -m_i (e_i + J_i u),   (M + sum J_i^T m_i J_i) u = -sum J_i^T m_i e_i,
+/// where the body's velocity changes by -u.
+struct AnchorSet {
+  std::uint32_t begin = 0, end = 0;  ///< in LinkedBodies::anchorOrder
+  Eigen::Matrix<double, 6, 6> solve =
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< u per  -sum J_i^T m_i e_i;  of sets of several
+  bool isSingle() const { return end - begin == 1; }
 };
 
 /// Soft and rigid bodies that links join and that are stepped together.
@@ -112,6 +129,10 @@ struct LinkedBodies {
   std::vector<LinkAnchor> anchors;
 
   std::vector<std::uint32_t> taut;  ///< written by addLinkForces(): the springs that are not slack
+
+  // Written by prepareAnchors().
+  std::vector<AnchorSet> anchorSets;
+  std::vector<std::uint32_t> anchorOrder;  ///< #anchors, by sets
 
   // Scratch of linkFrequencyBoundSquared.
   std::vector<double> stiffnessSums;       ///< #rigids, then #points of all bodies
@@ -134,11 +155,12 @@ void dampLinks(LinkedBodies& bodies, double dt, bool forward);
 /// with the inverse mass of a rigid body at a pivot, 1/m + |r|^2 / smallest inertia).
 double linkFrequencyBoundSquared(LinkedBodies& bodies);
 
-/// Finds the anchors on bodies that no impulse moves, computes their masses and clears the impulses of all.
-/// Call it before a step.
+/// Divides the anchors into sets, finds those on bodies that no impulse moves, computes their masses and
+/// clears the impulses of all. Call it before a step.
 void prepareAnchors(LinkedBodies& bodies);
 
-/// Updates the anchors to the present rotation of the rigid bodies: the masses, or the speeds of held pivots.
+/// Updates the anchors and their sets to the present rotation of the rigid bodies: the masses, or the speeds
+/// of held pivots.
 void updateAnchors(LinkedBodies& bodies);
 
 /// Sets the target error of each anchor after a drift of `dt` in a tick of length `tick` (s). Errors are
@@ -146,9 +168,10 @@ void updateAnchors(LinkedBodies& bodies);
 /// multiply the speed by the number of substeps.
 void aimAnchors(LinkedBodies& bodies, double dt, double tick);
 
-/// Returns the error (m/s) of the point's velocity relative to the pivot. Without error they are `apart`
-/// after a drift of `dt` (SHAKE), or for dt = 0 their velocities are equal (RATTLE; Andersen 1983).
-Eigen::Vector3d speedError(const LinkedBodies& bodies, const LinkAnchor& anchor, double dt);
+/// Sets `error` (m/s) of the set's anchors, and `change` to the impulses that remove it. Without error the
+/// points are `apart` from their pivots after a drift of `dt` (SHAKE), or for dt = 0 have their velocities
+/// (RATTLE; Andersen 1983).
+void findChanges(LinkedBodies& bodies, const AnchorSet& set, double dt);
 
 /// Applies an impulse to the point and its opposite to the rigid body.
 void applyImpulse(LinkedBodies& bodies, const LinkAnchor& anchor, const Eigen::Vector3d& impulse);
