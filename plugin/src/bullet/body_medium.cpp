@@ -206,21 +206,23 @@ void placeRestShape(SoftBodyData& body, const Points& predicted, double tick, Po
 
 /// How a body bobs in a tick.
 struct Bobbing {
-  double area = 0.0;   ///< m^2, of the plane inside the body
-  double phase = 0.0;  ///< its square, with the inertia below
-  double local = 1.0;  ///< see localShare()
-  double held = 1.0;   ///< see heldShare()
-  double own = 1.0;    ///< the share of the body's mass in the inertia of both
+  double area = 0.0;      ///< m^2, of the plane inside the body
+  double phase = 0.0;     ///< its square, with the inertia below
+  double local = 1.0;     ///< see localShare()
+  double held = 1.0;      ///< see heldShare()
+  double own = 1.0;       ///< the share of the body's mass in the inertia of both
+  double implicit = 1.0;  ///< the share of the forces by the implicit rule, see steadyForces()
 };
 
 /// Makes the forces on a light or very soft body act as a whole, with the same sum and torque, as far as they
-/// must not act locally. With the phase p of bobbing and the places that buoy() drops,
-///   (1 + p^2 / 4) F = F(x + v tick / 2 - g tick^2 / 4)
-/// for light ones, which is the implicit midpoint rule, stable for any mass.
+/// must not act locally. With the phase p of bobbing and the places that buoy() moves,
+///   (1 + p^2 / 4) F = F(x + v tick / 2 + a tick^2 / 4)
+/// for light ones, with the acceleration a by all other forces. This is the implicit midpoint rule, stable
+/// for any mass, and at rest F is the buoyancy there.
 void steadyForces(const SoftBodyData& body, const Lift& lift, const WaterPlane& plane, double tick,
                   Points& force, Bobbing& bobbing) {
   const PointState& s = body.state;
-  const double gravity = plane.weight / body.surroundings->water->density, steady = 1.0 - bobbing.local;
+  const double steady = 1.0 - bobbing.local;
   const double phase = bobbing.own * bobbingPhase(plane, bobbing.area, lift.mass, tick);
   const double implicit = 1.0 / (1.0 + 0.25 * steady * phase);
   const double local = std::min(bobbing.local, bobbing.held);
@@ -228,10 +230,22 @@ void steadyForces(const SoftBodyData& body, const Lift& lift, const WaterPlane& 
     const double mass = massOf(s.inverseMass, i);
     const Vector3d rigid =
         lift.sum / lift.mass + lift.rotation.cross(Vector3d(s.position.col(i) - lift.center));
-    const Vector3d whole = implicit * (local * force.col(i) + (1.0 - local) * mass * rigid);
-    force.col(i) = bobbing.own * whole + (1.0 - bobbing.own) * mass * gravity * plane.up;
+    force.col(i) = implicit * (local * force.col(i) + (1.0 - local) * mass * rigid);
   }
-  bobbing.own *= implicit;
+  bobbing.implicit = implicit;
+}
+
+/// Adds the mass of the water that moves with the body to its points in this tick, so that contacts, anchors
+/// and springs act against both.
+void addWaterMass(SoftBodyData& body, BodyMedium& medium, double own) {
+  medium.others.reset();
+  if (own == 1.0) return;
+  PointState& s = body.state;
+  medium.inverseMass = s.inverseMass;
+  medium.velocity = s.velocity;
+  medium.hasWaterMass = true;
+  s.inverseMass *= own;
+  s.acceleration *= own;
 }
 
 /// Returns the plane lowered to the top of a body that is under water. The pressure there acts on all sides
@@ -255,8 +269,8 @@ Lift setBuoyancy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane
 
 /// Sets the forces of the water on a closed body. A very soft one is lifted as its rest shape, as the work of
 /// forces on its deformations could not come from the water's level alone. A light body also has the inertia
-/// of the water that it pushes aside, half the displaced mass, as for a sphere. It falls during the tick into
-/// what it would be above of otherwise.
+/// of the water that it pushes aside, half the displaced mass, as for a sphere. It moves during the tick by
+/// gravity or, from the second tick on, by what acted on it in the last one: loads and contacts, too.
 Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
   Bobbing bobbing;
   bobbing.held = heldShare(body.model->parts, plane);
@@ -272,7 +286,10 @@ Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, do
   if (steady == 0.0 && bobbing.held == 1.0) return bobbing;
   const Vector3d gravity = toEigen(body.world->getGravity());
   if (!above) bobbing.own = lift.mass / (lift.mass + steady * 0.5 * lift.sum.norm() / gravity.norm());
-  medium.predicted.colwise() += 0.25 * tick * tick * bobbing.own * steady * gravity;
+  Vector3d others = bobbing.own * medium.others.value_or(gravity);
+  // what balances buoyancy is below 2 g: the body has the mass of half of the water that lifts it
+  if (const double most = 2.0 * gravity.norm(), size = others.norm(); size > most) others *= most / size;
+  medium.predicted.colwise() += 0.25 * tick * tick * steady * others;
   lift = setBuoyancy(body, medium, plane);
   bobbing.area = lift.area;
   if (!(lift.wetMass > 0.0)) return bobbing;
@@ -291,14 +308,15 @@ Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane&
   Bobbing bobbing;
   if (!body.model->parts.closed.empty()) {
     bobbing = buoy(body, medium, plane, tick);
-    // drag works against both masses, too
-    medium.drag.terms *= bobbing.own;
+    medium.drag.terms *= bobbing.implicit;
+    addWaterMass(body, medium, bobbing.own);
   } else if (body.settings.flow.displacedVolume > 0.0) {
     bobbing.area = addDisplacement(body, medium, plane);
   }
   body.state.acceleration += medium.force.cwiseProduct(body.state.inverseMass);
   body.surface.sweptBounds.tick = 0.0;
-  bobbing.phase = bobbing.own * bobbingPhase(plane, bobbing.area, body.settings.totalMass, tick);
+  bobbing.phase =
+      bobbing.own * bobbing.implicit * bobbingPhase(plane, bobbing.area, body.settings.totalMass, tick);
   return bobbing;
 }
 
@@ -413,6 +431,22 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
   }
   limitDrag(medium.drag, body.state.inverseMass);
   return &medium.drag;
+}
+
+void removeWaterMass(SoftBodyData& body, double tick) {
+  if (!body.medium || !body.medium->hasWaterMass) return;
+  BodyMedium& medium = *body.medium;
+  const PointState& s = body.state;
+  Vector3d force = -medium.drag.impulse / tick;
+  double mass = 0.0;
+  for (Eigen::Index i = 0; i < medium.force.cols(); ++i) {
+    force +=
+        massOf(s.inverseMass, i) / tick * (s.velocity.col(i) - medium.velocity.col(i)) - medium.force.col(i);
+    mass += massOf(medium.inverseMass, i);
+  }
+  medium.others = Vector3d(force / mass);
+  body.state.inverseMass = medium.inverseMass;
+  medium.hasWaterMass = false;
 }
 
 void applyFields(SoftBodyData& body, double tick) {

@@ -42,11 +42,15 @@ struct Surroundings {
 /// A body in the media around it. Made when something first acts on the body.
 struct BodyMedium {
   PointDrag drag;
-  Points wind;                 ///< 3 x #points, m/s, scratch
-  Points predicted;            ///< 3 x #points, m, scratch: positions in the middle of the tick
-  Points force;                ///< 3 x #points, N, scratch
-  Points velocity;             ///< 3 x #points, m/s, scratch
-  std::vector<double> masses;  ///< #points, kg, scratch of fields
+  Points wind;                            ///< 3 x #points, m/s, scratch
+  Points predicted;                       ///< 3 x #points, m, scratch: positions in the middle of the tick
+  Points force;                           ///< 3 x #points, N, scratch
+  Points velocity;                        ///< 3 x #points, m/s, scratch
+  std::vector<double> masses;             ///< #points, kg, scratch of fields
+  std::optional<Eigen::Vector3d> others;  ///< N/kg, all forces but buoyancy and drag in the last tick, per
+                                          ///< mass of the body alone, if it had the water's mass
+  Points inverseMass;                     ///< 3 x #points, 1/kg, of the body alone, while `hasWaterMass`
+  bool hasWaterMass = false;  ///< PointState::inverseMass counts the water that moves with the body
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, at point 0 in the last tick awake
 };
 
@@ -57,9 +61,12 @@ BodyMedium& mediumOf(SoftBodyData& body);
 WettedParts wettedParts(const SpringNetwork& network, const SoftBodySettings& settings,
                         const SpringConstants& springs);
 
-/// Adds the buoyancy to the accelerations of an awake body, at the start of a tick. Returns its drag in the
-/// tick, or nullptr if there is none.
+/// Adds the buoyancy to the accelerations of an awake body, at the start of a tick, after all other forces.
+/// Returns its drag in the tick, or nullptr if there is none.
 PointDrag* surroundBody(SoftBodyData& body, double tick);
+
+/// Gives the body its own mass again. Call it after the step.
+void removeWaterMass(SoftBodyData& body, double tick);
 
 /// Calls all fields for an awake body.
 void applyFields(SoftBodyData& body, double tick);

@@ -438,7 +438,8 @@ namespace {
 /// Measures the work of drag on bodies with an energy limit, or on all.
 void measureDrag(LinkedGroup& group, bool all) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    if (PointDrag* drag = group.step.bodies[i].drag) drag->measured = all || group.bodies[i]->energyLimit.on;
+    if (PointDrag* drag = group.step.bodies[i].drag)
+      drag->measured = all || group.bodies[i]->energyLimit.on || group.bodies[i]->medium->hasWaterMass;
 }
 
 }  // namespace

@@ -249,10 +249,12 @@ bool isWhole(const LinkedGroup& group) {
 }
 
 void gatherBodies(LinkedGroup& group, btScalar tick) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
-    gatherBody(*group.bodies[i], tick);
+  for (SoftBodyData* body : group.bodies) gatherBody(*body, tick);
+}
+
+void surroundBodies(LinkedGroup& group, btScalar tick) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i)
     group.step.bodies[i].drag = surroundBody(*group.bodies[i], double(tick));
-  }
 }
 
 bool updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {

@@ -75,6 +75,7 @@ bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
 // its sweeps are for one thread.
 
 void gatherBodies(LinkedGroup& group, btScalar tick);
+void surroundBodies(LinkedGroup& group, btScalar tick);         ///< after fields
 bool updateBroadphaseBoxes(LinkedGroup& group, btScalar tick);  ///< returns whether any has changed
 void gatherGroup(LinkedGroup& group, btScalar tick);
 void writeGroupToBullet(LinkedGroup& group, btScalar tick);

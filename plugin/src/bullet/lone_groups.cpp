@@ -2,6 +2,7 @@
 #include "bullet/lone_groups.h"
 
 #include "bullet/body_in_world.h"
+#include "bullet/body_medium.h"
 #include "bullet/surface_body.h"
 
 #include <algorithm>
@@ -54,6 +55,7 @@ void addBlocks(const TickProfile& blocks, double wallMs, TickProfile& profile) {
 void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work) {
   reportStepping(group, double(tick));
   for (SoftBodyData* body : group.bodies) {
+    removeWaterMass(*body, double(tick));
     restoreIfUnsound(*body);
     countWork(*body, work);
   }

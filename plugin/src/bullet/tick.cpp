@@ -152,10 +152,13 @@ void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
   bool changed = false;
   parallel.forEach(awake.size(), [&](std::size_t g) {
     gatherBodies(*awake[g], tick);
+    if (!hasFields) surroundBodies(*awake[g], tick);
     if (!boxesLater) changed = updateBroadphaseBoxes(*awake[g], tick) || changed;
   });
-  if (hasFields)
+  if (hasFields) {
     for (SoftBodyData* body : moving) applyFields(*body, double(tick));
+    for (LinkedGroup* group : awake) surroundBodies(*group, tick);
+  }
   if (boxesLater)
     for (LinkedGroup* group : awake) changed = updateBroadphaseBoxes(*group, tick) || changed;
   if (changed) collectPartners(*world, this);

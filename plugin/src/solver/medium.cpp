@@ -17,19 +17,22 @@ namespace limber {
 
 namespace {
 
-/// Adds up the change of the kinetic energy (J) of points that are not held, or nothing.
+/// Adds up the change of the kinetic energy (J) and the momentum (N s) of points that are not held, or
+/// nothing.
 template <bool kMeasured>
-struct EnergyChange {
-  double sum = 0.0;
+struct MotionChange {
+  double energy = 0.0, momentum[3] = {0.0, 0.0, 0.0};
 
-  void add(double before, double after, double inverseMass) {
-    if (kMeasured && inverseMass > 0.0) sum += 0.5 * (after - before) * (after + before) / inverseMass;
+  void add(int axis, double before, double after, double inverseMass) {
+    if (!kMeasured || !(inverseMass > 0.0)) return;
+    energy += 0.5 * (after - before) * (after + before) / inverseMass;
+    momentum[axis] += (after - before) / inverseMass;
   }
 };
 
-/// Applies the decay. Returns the change of energy, if `Change` measures it.
+/// Applies the decay. Returns the change of motion, if `Change` measures it.
 template <class Change>
-double applyRate(double keep, const PointView& points, Eigen::Index count) {
+Change applyRate(double keep, const PointView& points, Eigen::Index count) {
   Change change;
   double* v = points.velocity;
   const double* w = points.inverseMass;
@@ -37,14 +40,14 @@ double applyRate(double keep, const PointView& points, Eigen::Index count) {
     for (int c = 0, at = 0; c < 3; ++c, at += points.axisStride) {
       const double before = v[at];
       v[at] *= w[at] > 0.0 ? keep : 1.0;
-      change.add(before, v[at], w[at]);
+      change.add(c, before, v[at], w[at]);
     }
-  return change.sum;
+  return change;
 }
 
 /// Applies the decay and the terms. `axis`: the axis stride, a constant for bodies in arrays of their own.
 template <class Change, class Axis>
-double applyTerms(const PointDrag& drag, double keep, const PointView& points, Eigen::Index count, double dt,
+Change applyTerms(const PointDrag& drag, double keep, const PointView& points, Eigen::Index count, double dt,
                   Axis axis) {
   Change change;
   const double* t = drag.terms.data();
@@ -58,14 +61,14 @@ double applyTerms(const PointDrag& drag, double keep, const PointView& points, E
     v[0] = x + s * wx * (t[6] - (t[0] * x + t[3] * y + t[5] * z));
     v[axis] = y + s * wy * (t[7] - (t[3] * x + t[1] * y + t[4] * z));
     v[2 * axis] = z + s * wz * (t[8] - (t[5] * x + t[4] * y + t[2] * z));
-    for (int c = 0; c < 3; ++c) change.add(before[c], v[c * axis], w[c * axis]);
+    for (int c = 0; c < 3; ++c) change.add(c, before[c], v[c * axis], w[c * axis]);
     t += PointDrag::kTerms, v += points.pointStride, w += points.pointStride;
   }
-  return change.sum;
+  return change;
 }
 
 template <class Change>
-double applyAll(const PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
+Change applyAll(const PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
   const double keep = drag.rate > 0.0 ? std::exp(-drag.rate * dt) : 1.0;
   if (drag.terms.cols() == 0) return applyRate<Change>(keep, points, count);
   if (points.axisStride == 1)
@@ -105,10 +108,13 @@ double limitDrag(PointDrag& drag, const Points& inverseMass) {
 }
 
 void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
-  if (drag.measured)
-    drag.work += applyAll<EnergyChange<true>>(drag, points, count, dt);
-  else
-    applyAll<EnergyChange<false>>(drag, points, count, dt);
+  if (!drag.measured) {
+    applyAll<MotionChange<false>>(drag, points, count, dt);
+    return;
+  }
+  const auto change = applyAll<MotionChange<true>>(drag, points, count, dt);
+  drag.work += change.energy;
+  drag.impulse += Eigen::Map<const Eigen::Vector3d>(change.momentum);
 }
 
 // --- air and water -----------------------------------------------------------------------------------------

@@ -30,8 +30,9 @@ struct PointDrag {
   /// #points, or no columns without a medium: D as xx yy zz xy yz zx (N s/m), b (N), 1 / |W D| (s).
   Eigen::Matrix<double, kTerms, Eigen::Dynamic> terms;
   double rate = 0.0;      ///< 1/s
-  bool measured = false;  ///< `work` is wanted
+  bool measured = false;  ///< `work` and `impulse` are wanted
   double work = 0.0;      ///< J, change of the kinetic energy in this tick, if measured
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< N s, likewise of the momentum
 };
 
 /// Sets D and b of all points to 0.
