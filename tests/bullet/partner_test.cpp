@@ -4,9 +4,11 @@
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/small_meshes.h"
 #include "support/stepped_body.h"
 #include "support/tested_way.h"
 
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 
 #include <gtest/gtest.h>
@@ -157,6 +159,43 @@ double fastestOf(const std::vector<btRigidBody*>& boxes) {
   double fastest = 0.0;
   for (const btRigidBody* box : boxes) fastest = std::max(fastest, double(box->getLinearVelocity().length()));
   return fastest;
+}
+
+// A free fall in a tick is as long as a pad is thick, and each pad prefers an implicit stepper when it is
+// alone.
+TEST(Partners, noBoxFallsIntoAStiffThinPadOfAStack) {
+  if (!test::testsSurfaces()) GTEST_SKIP() << "of surfaces";
+  constexpr double kSize = 0.05, kMass = 0.002;
+  BulletWorld bullet;
+  bullet.addBoxFloor()->setFriction(1);
+  SoftBodySystem system(*bullet.world);
+  const SharedNetwork network = *buildNetwork(small_meshes::cube(2));
+  const auto addPad = [&](double center) {
+    SoftBodySettings s = test::testedSettings();
+    s.totalMass = kMass;
+    s.extensionStiffness = s.compressionStiffness = 3000.0 * kMass * kGravity / kSize;
+    s.damping = 0.6 * std::sqrt(s.extensionStiffness * kMass / 50.0);
+    s.scale = kSize * Eigen::Vector3d(1.0, 0.2, 1.0);
+    s.position = {0, kSize * center, 0};
+    s.pointRadius = 0.01 * kSize;
+    s.sleepingSpeed = 0.0;
+    return *system.createBody(network, s);
+  };
+  const auto addLoad = [&](double mass, double center) {
+    btRigidBody* box =
+        bullet.addBox(vec(0.4 * kSize, 0.1 * kSize, 0.4 * kSize), mass, vec(0, kSize * center, 0));
+    box->setActivationState(DISABLE_DEACTIVATION);
+    return box;
+  };
+  addPad(0.11);
+  addLoad(5.0 * kMass, 0.33);
+  addPad(0.55);
+  const SoftBody* pad = addPad(0.78);
+  const btRigidBody* box = addLoad(2.0 * kMass, 1.0);
+  for (int i = 0; i < 10; ++i) {
+    bullet.tick(1.0 / 30.0);
+    ASSERT_GT(height(*box) - top(*pad), 0.1 * kSize) << i;
+  }
 }
 
 TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {

@@ -181,16 +181,22 @@ double longestDisplacement(const Points& motion, const Vector3d& common) {
 bool isSelf(const SurfaceCandidate& m) { return m.other == m.body; }
 
 /// Returns whether new contacts of the body are searched for within a tick. Bodies that are stepped together
-/// have no implicit steppers, and cannot repeat a tick whose error is too large. A body that needs one of
-/// these must keep it when another body is only near.
+/// cannot repeat a tick whose error is too large. A body that needs this must keep it when another body is
+/// only near.
 bool isSearchedWithinTick(const SoftBodyData& body) {
   const Stepping& s = body.settings.stepping;
   const bool hasErrorLimit = s.tolerance > 0.0 || s.relativeTolerance > 0.0;
-  return body.settings.continuousCollision && !body.prefersImplicit && !hasErrorLimit;
+  return body.settings.continuousCollision && !hasErrorLimit;
 }
 
 bool areSearchedWithinTick(const SurfaceCandidate& m) {
   return isSearchedWithinTick(*m.body) && (!m.other || isSearchedWithinTick(*m.other));
+}
+
+/// Whether a body of the pair needs an implicit stepper, which bodies that are stepped together do not have.
+/// It keeps that while another body is only near, unless the motion of either is stopped.
+bool keepsStepper(const SurfaceCandidate& m) {
+  return m.body->prefersImplicit || (m.other && m.other->prefersImplicit);
 }
 
 /// Lists the contacts that had an impulse in the last tick (those of other parts too, with keys that no
@@ -299,7 +305,7 @@ void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contact
               [&](const SurfaceContact& c) { return pointB(m, c, found); });
   m.end = static_cast<std::uint32_t>(found.contacts.size());
   if ((m.partner && !isFree(*m.partner)) || (m.other && m.other->asleep)) return;
-  if (m.end == m.first && !mayTouch(m, tick, s)) {
+  if (m.end == m.first && (keepsStepper(m) || !mayTouch(m, tick, s))) {
     if (!m.held && !isSelf(m) && areSearchedWithinTick(m)) found.waiting.push_back(m);
     return;
   }
