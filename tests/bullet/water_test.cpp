@@ -209,13 +209,53 @@ TEST_F(WaterTest, lightRaftsFloatAtTheDraughtOfTheirLoad) {
         SoftBody* raft = add(solidOf(small_meshes::cube(2)), s);
         const double load = 0.5 * (1000.0 * area * height - mass);
         for (int i = 0; i * tick < 8.0; ++i) {
-          raft->applyForce(btVector3(0, btScalar(-load * kGravity), 0));
+          ASSERT_TRUE(raft->applyForce(btVector3(0, btScalar(-load * kGravity), 0)));
           bullet.tick(tick);
         }
         EXPECT_NEAR((0.5 * height - heightOf(*raft)) / height, (mass + load) / (1000.0 * area * height), 0.02)
             << size << " m, " << density << " kg/m^3, tick " << tick;
         ASSERT_TRUE(system.destroyBody(raft));
       }
+}
+
+TEST_F(WaterTest, aSavedRaftUnderALoadContinuesAlike) {
+  setWater(0.0);
+  SoftBodySettings s = stiffSolid(0.008);
+  s.scale = {0.1, 0.04, 0.1};
+  SoftBody* raft = add(solidOf(small_meshes::cube(2)), s);
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      EXPECT_TRUE(raft->applyForce(btVector3(0, i % 2 ? -2 : -1, 0)));
+      bullet.tick(1.0 / 30.0);
+    }
+    return raft->stateHash();
+  };
+  run(11);
+  const auto saved = system.saveState();
+  const std::uint64_t hash = run(7);
+  ASSERT_TRUE(system.restoreState(saved));
+  EXPECT_EQ(run(7), hash);
+}
+
+// Dampers of the body with the water's mass are far too strong for the body alone.
+TEST_F(WaterTest, aDampedLightSolidLeapsOutOfTheWaterInItsShape) {
+  setWater(0.0);
+  for (const double tick : {1.0 / 60.0, 1.0 / 30.0}) {
+    const double mass = 0.1;
+    SoftBodySettings s = stiffSolid(mass);
+    s.damping = 500.0 * mass;
+    s.scale.setConstant(0.3);
+    s.position = {0, -1.5, 0};
+    SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+    const double rest = 0.027;
+    for (int i = 0; i * tick < 3.0; ++i) {
+      bullet.tick(tick);
+      ASSERT_NEAR(enclosedVolume(*cube) / rest, 1.0, 0.2) << "tick " << tick << ", " << i;
+      ASSERT_LT(std::abs(fallOf(*cube)), 15.0) << "tick " << tick << ", " << i;
+      ASSERT_EQ(cube->restorations(), 0u);
+    }
+    ASSERT_TRUE(system.destroyBody(cube));
+  }
 }
 
 // Springs far weaker than the water's pressure: it would turn the ball inside out.

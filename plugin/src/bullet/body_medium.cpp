@@ -235,6 +235,11 @@ void steadyForces(const SoftBodyData& body, const Lift& lift, const WaterPlane& 
   bobbing.implicit = implicit;
 }
 
+void massesHaveChanged(SoftBodyData& body) {
+  body.springs.damperTime = 0.0;
+  ++body.springs.revision;
+}
+
 /// Adds the mass of the water that moves with the body to its points in this tick, so that contacts, anchors
 /// and springs act against both.
 void addWaterMass(SoftBodyData& body, BodyMedium& medium, double own) {
@@ -246,6 +251,7 @@ void addWaterMass(SoftBodyData& body, BodyMedium& medium, double own) {
   medium.hasWaterMass = true;
   s.inverseMass *= own;
   s.acceleration *= own;
+  massesHaveChanged(body);
 }
 
 /// Returns the plane lowered to the top of a body that is under water. The pressure there acts on all sides
@@ -413,6 +419,7 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
   const double rate = body.settings.flow.linearDrag.value_or(isSolid(body) ? 0.0 : kSheetLinearDrag);
   const bool inAir = hasDragInAir(body);
   const WaterPlane plane = waterPlaneNear(body, tick);
+  if (body.medium && !plane.isThere()) body.medium->others.reset();
   if (!inAir && !plane.isThere() && rate == 0.0) return nullptr;
   BodyMedium& medium = mediumOf(body);
   medium.drag.rate = rate;
@@ -446,6 +453,7 @@ void removeWaterMass(SoftBodyData& body, double tick) {
   }
   medium.others = Vector3d(force / mass);
   body.state.inverseMass = medium.inverseMass;
+  massesHaveChanged(body);
   medium.hasWaterMass = false;
 }
 

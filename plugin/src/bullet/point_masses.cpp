@@ -340,6 +340,7 @@ void restoreIfUnsound(SoftBodyData& body) {
 void forgetMotion(SoftBodyData& body) {
   for (PlaneContact& row : body.contacts) row.impulse = TickImpulse();
   body.storedImpulses.clear();
+  if (body.medium) body.medium->others.reset();
   if (body.startVelocity.cols() > 0) body.startVelocity = body.state.velocity;
   body.implicit.reset();
   body.volumes.kept.value = 0.0;

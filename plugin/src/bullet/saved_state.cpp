@@ -159,6 +159,7 @@ struct BodyState {
   std::uint32_t restorations = 0;
   Eigen::Vector3d jointLinear = Eigen::Vector3d::Zero(), jointAngular = Eigen::Vector3d::Zero();
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
+  std::vector<double> otherForces;                     ///< 3, N/kg, BodyMedium::others, or empty
   std::vector<std::uint64_t> touched, key;  ///< #impulses: index in the world of the partner, features
   std::vector<double> impulse;              ///< 4 x #impulses, N s
 };
@@ -203,6 +204,7 @@ void transferState(Stream& stream, State& s) {
   transferVector(stream, "joint linear", s.jointLinear);
   transferVector(stream, "joint angular", s.jointAngular);
   transferVector(stream, "wind", s.lastWind);
+  stream.array("forces in water", s.otherForces);
   stream.array("touched objects", s.touched);
   stream.array("touched features", s.key);
   stream.array("impulses", s.impulse);
@@ -317,6 +319,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.prefersImplicit = body.prefersImplicit;
   s.restorations = body.restorations;
   if (body.medium) s.lastWind = body.medium->lastWind;
+  if (body.medium && body.medium->others) s.otherForces = numbersOf(*body.medium->others);
   return s;
 }
 
@@ -331,11 +334,12 @@ std::string checkState(const SoftBodyData& body, const BodyState& s) {
   if (s.mass.size() != n || s.pinned.size() != n || s.yieldedLength.size() != s.broken.size() ||
       (!s.broken.empty() && s.broken.size() != springs) ||
       (!s.softenedMass.empty() && s.softenedMass.size() != 3 * n) ||
-      (!s.startVelocity.empty() && s.startVelocity.size() != 3 * n) || s.touched.size() != s.key.size() ||
+      (!s.startVelocity.empty() && s.startVelocity.size() != 3 * n) ||
+      (!s.otherForces.empty() && s.otherForces.size() != 3) || s.touched.size() != s.key.size() ||
       4 * s.touched.size() != s.impulse.size())
     return "the saved state has arrays of different sizes";
   for (const auto* array : {&s.position, &s.velocity, &s.startPosition, &s.pinTarget, &s.mass,
-                            &s.yieldedLength, &s.softenedMass, &s.impulse, &s.startVelocity})
+                            &s.yieldedLength, &s.softenedMass, &s.impulse, &s.startVelocity, &s.otherForces})
     for (const double number : *array)
       if (!(std::abs(number) <= kMaxSound)) return "the saved state has a number that is not finite";
   if (!(s.jointLinear.norm() <= kMaxSound && s.jointAngular.norm() <= kMaxSound))
@@ -421,6 +425,8 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.prefersImplicit = s.prefersImplicit;
   body.restorations = s.restorations;
   mediumOf(body).lastWind = s.lastWind;
+  body.medium->others.reset();
+  if (!s.otherForces.empty()) body.medium->others = Eigen::Map<const Eigen::Vector3d>(s.otherForces.data());
   body.rolledBack = true;
   forgetCaches(body);
   writeToBullet(body);
