@@ -57,7 +57,7 @@ TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
     }
     EXPECT_FALSE(box->isActive()) << mass;
     EXPECT_FALSE(cloth->surfaceObject()->isActive()) << mass;
-    // contacts at rest are compliant: their depth grows with their impulse, see contact_solver.cpp
+    // contacts at rest are compliant: their depth grows with their impulse, see contact_row.h
     EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), kHalfHeight + 2 * kClothRadius, 2e-4)
         << mass;
     // The present value is 0.46: the sweeps end before they have converged for a mass ratio of 20 000 : 1.

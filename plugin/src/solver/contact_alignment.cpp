@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Adjusts the contact points of rows, so that opposite impulses at the two of them act along one line.
-#include "solver/contacts.h"
+#include "solver/contact_row.h"
 
 #include <Eigen/LU>
 

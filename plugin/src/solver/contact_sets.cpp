@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Divides the rows of a large island into sets that several threads sweep at the same time, and numbers the
 // point masses and rigid bodies of the rows.
-#include "solver/contacts.h"
+#include "solver/contact_row.h"
 
 #include <algorithm>
 #include <cstdint>

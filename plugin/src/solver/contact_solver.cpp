@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Solves the contacts, joints and anchors of an island together, by sweeps over their rows.
-#include "solver/contacts.h"
-
-#include "solver/plane_contacts.h"
+#include "solver/contact_row.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,40 +20,6 @@ constexpr int kMaxSweeps = 50;
 /// The one of a row's two impulses that a solve changes.
 enum class Stage { Positions, Velocities };
 
-/// Softness of contacts (a proximal term): a contact yields to the change of its impulse since the last
-/// substep by this share of the yield without other contacts, and along the normal also to 1 - kKept of the
-/// impulse itself. Contact impulses of rigid bodies against each other are not unique; with this term they
-/// converge instead of drifting, and piles come to rest. In a pile of ten boxes it costs 3e-5 m of height. A
-/// single point on a static or kinematic object needs no softness: its springs determine its impulse.
-constexpr double kSoftness = 0.02;
-constexpr double kKept = 0.8;
-
-/// A contact that removes an overlap may push against a body that cannot move away: one that anchors
-/// hold, or the folds of a soft body around an object. There each overlap that is removed makes another
-/// one, and the energy would grow without limit. So the work of a contact in a tick is at most this
-/// multiple of m v^2, less in islands with anchors, with the row's mass and either the speed at which
-/// overlaps are removed or, if that is larger, the mean square of the velocities in the island: a fast
-/// hit makes overlaps, since its contacts are found late, and energy that is missing until they are
-/// removed. A contact with an impulse above m v may do less work, in proportion: contacts that push
-/// against each other have impulses of any size.
-constexpr double kRecoveryWork = 2.4, kAnchoredWork = 0.3;
-
-/// Share of the recovery speed up to which the work is not limited. Under a heavy body points of a gram could
-/// else not remove the small overlaps that every solve leaves, and a ball on a cloth would not come to rest.
-constexpr double kFreeRecovery = 0.01;
-
-/// Least change of the friction of a sliding contact in a sweep, as a share of its limit, towards the
-/// direction against the sliding. The frictions of several contacts of one body may cancel each other and
-/// only use up their cones. Without this minimum, slow sliding would remove them slowly. Where it makes a
-/// friction go back against its change in the sweep before, it was too large and becomes smaller by a factor:
-/// else the sweeps would step to and fro across the solution until the cones are fixed (see kFreeSweeps).
-/// For sliding slower than kSlowSliding times the tolerance it is smaller in proportion: such sliding is
-/// hardly more than the error that the solve may leave. A pile of 200 bodies at rest needs two fifths fewer
-/// sweeps.
-constexpr double kMinFrictionChange = 0.1;
-constexpr double kAfterReversal = 0.3;
-constexpr double kSlowSliding = 3.0;
-
 /// m/s, replaces IslandConstraints::tolerance if there are only anchors, which hold to rounding.
 constexpr double kTightTolerance = 1e-10;
 
@@ -70,72 +34,6 @@ constexpr int kFreeSweeps = 15;
 /// substep are solved to the tolerance. A pile of 200 bodies needs half as many sweeps of velocities.
 constexpr int kExactSweeps = 6;
 constexpr double kLargerTolerance = 10.0;
-
-/// Changes the friction to the one that stops the sliding (u, v) (m/s). If that is outside the cone, makes a
-/// projected gradient step towards the least energy of the row alone, of at least `minChange` of the limit,
-/// or less for sliding below `slow` (m/s). Returns whether this minimum has made the step longer.
-inline bool addFriction(const ContactConstraint& row, double u, double v, double minChange, double slow,
-                        ContactVector& sum) {
-  const double* m = row.acrossMass;
-  const double limit = row.maxFriction;
-  u += row.acrossSoftness * (sum.u - row.before.u);
-  v += row.acrossSoftness * (sum.v - row.before.v);
-  const double stopU = sum.u - (m[0] * u + m[1] * v);
-  const double stopV = sum.v - (m[1] * u + m[2] * v);
-  if (stopU * stopU + stopV * stopV <= limit * limit) {
-    sum.u = stopU, sum.v = stopV;
-    return false;
-  }
-  const double least = minChange * limit / std::max(std::sqrt(u * u + v * v), slow);
-  const double mass = std::max(row.slidingMass, least);
-  sum.u -= mass * u, sum.v -= mass * v;
-  const double factor = coneFactor(sum.u * sum.u + sum.v * sum.v, limit);
-  sum.u *= factor, sum.v *= factor;
-  return least > row.slidingMass;
-}
-
-/// Returns the impulse, 0 or more, that changes the speed along the normal from `speed` to `target` (m/s),
-/// with the row's softness. `sum` (N s) is the present impulse. If its work would be more than maxWork, the
-/// result n is smaller: with the impulse n0 for speed 0,
-///     n (n - n0) / m = maxWork,
-/// or, if that is larger, the impulse for freeSpeed. `mass` (kg) and `softness` are the row's,
-/// unless it is supported.
-inline double normalImpulse(const ContactConstraint& row, double mass, double softness, double sum,
-                            double target, double speed) {
-  const double yielding = softness * (sum - kKept * row.before.n);
-  const auto impulseFor = [&](double wanted) {
-    return std::max(0.0, sum + ((wanted - speed) * mass - yielding) / (1.0 + softness));
-  };
-  const double n = impulseFor(target), atRest = sum - speed * mass;
-  if (!(n * (n - atRest) > mass * row.maxWork)) return n;
-  const double limited = 0.5 * (atRest + std::sqrt(atRest * atRest + 4.0 * mass * row.maxWork));
-  return std::max(limited, impulseFor(std::min(target, row.freeSpeed)));
-}
-
-/// Sets row.change. `forced`: the minimum of addFriction() has made the step longer.
-inline void noteReversal(ContactConstraint& row, const ContactVector& change, bool forced) {
-  if (forced && change.u * row.change.u + change.v * row.change.v < 0.0)
-    row.minFrictionChange *= kAfterReversal;
-  row.change = change;
-}
-
-/// Brings the speed along the normal to `target` (m/s) with the impulse `total`, which is 0 or more along the
-/// normal, with friction within its cone. `free`: the cone follows the normal impulse. Sets row.change.
-inline void solveContact(IslandConstraints& rows, ContactConstraint& row, ContactVector& total, double target,
-                         bool free) {
-  const ContactVector speeds = speedsOf(rows, row), earlier = total;
-  ContactVector sum = earlier;
-  sum.n = normalImpulse(row, row.mass, row.softness, sum.n, target, speeds.n);
-  const double normalChange = sum.n - earlier.n;
-  if (free) row.maxFriction = row.friction * sum.n;
-  const bool forced = addFriction(row, speeds.u + normalChange * row.acrossAlong[0],
-                                  speeds.v + normalChange * row.acrossAlong[1],
-                                  free ? row.minFrictionChange : 0.0, kSlowSliding * rows.tolerance, sum);
-  const ContactVector change{normalChange, sum.u - earlier.u, sum.v - earlier.v};
-  applyImpulse(rows, row, change);
-  noteReversal(row, change, forced);
-  total = sum;
-}
 
 void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
   forEachSide(bodies.rigids, j, [&](RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
@@ -159,40 +57,11 @@ void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
   applyImpulse(bodies, j, j.change);
 }
 
-bool isSoft(const ContactPoint& p) { return p.kind == ContactPoint::Kind::Soft; }
-
 /// 1/kg, of the contact's point on the rigid body, along the axis in which it is largest.
 double largestMobility(const ConstraintRotation& r) {
   double largest = 0.0;
   for (int k = 0; k < 3; ++k) largest = std::max(largest, ConstMap(r.speeds[k]).dot(ConstMap(r.response[k])));
   return r.body->inverseMass.maxCoeff() * r.inverseFactor + largest;
-}
-
-/// Returns the largest work (J) of a contact in a substep of `share` of the tick that removes an overlap.
-/// There is no limit where nothing soft or anchored yields.
-double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, const ContactConstraint& row,
-                       bool anchored, double share) {
-  if (!(row.target > 0.0) || isOfPoint(c)) return HUGE_VAL;
-  if (!anchored && !isSoft(c.a) && !isSoft(c.b)) return HUGE_VAL;
-  const double squaredSpeed = std::max(c.recoverySpeed * c.recoverySpeed, rows.squaredMotion);
-  const double work = (anchored ? kAnchoredWork : kRecoveryWork) * share * row.mass * squaredSpeed;
-  const double load = share * row.mass * std::sqrt(squaredSpeed), impulse = row.positionImpulse.n;
-  return impulse > load ? work * load / impulse : work;
-}
-
-/// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.
-void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, bool anchored,
-               double dt, double tick) {
-  row.softness = isOfPoint(c) ? 0.0 : kSoftness;
-  row.target = minSpeed(row.gap, c.recoverySpeed, dt);
-  row.freeSpeed = kFreeRecovery * c.recoverySpeed;
-  row.maxWork = maxRecoveryWork(rows, c, row, anchored, dt / tick);
-  row.bounces = false;
-  if (!(c.restitution > 0.0)) return;
-  const double approach = -speedAlong(rows, row);
-  const double before = -along(row.axes[0], {row.lastVelocity[0], row.lastVelocity[1], row.lastVelocity[2]});
-  addBounce(row, c, row.gap, approach, before, dt);
-  if (row.bounces) row.softness = 0.0, row.maxWork = HUGE_VAL;
 }
 
 /// The contacts of a row's points with static or kinematic objects, opposite to the row.
@@ -203,8 +72,7 @@ void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstrain
 ///     K = K_rr - K_rs^2 / K_ss,
 /// nearly that of the heavy body alone, with the speed K_xy at x per impulse at y.
 struct Supports {
-  double unsupported;             ///< 1/kg, K_rr
-  double mobility = unsupported;  ///< 1/kg, K
+  double mobility;  ///< 1/kg, K
   std::size_t count = 0;
   std::array<std::uint32_t, 6> rows{};
   std::array<double, 6> ratios{};  ///< impulse that is passed on per impulse of the row
@@ -275,10 +143,10 @@ struct Solve {
     }
   }
 
-  bool canPassOn(const Supports& supports, double change) const {
+  bool canPassOn(const ContactConstraint& row, const Supports& supports, double change) const {
     for (std::size_t k = 0; k < supports.count; ++k)
       if (impulse(rows.rows[supports.rows[k]]).n + supports.ratios[k] * change < 0.0) return false;
-    return supports.count > 0 && supports.mobility > kLeastMobility * supports.unsupported;
+    return supports.count > 0 && supports.mobility > kLeastMobility * row.mobility;
   }
 
   /// Solves a contact together with the supports of its points. Returns the mobility along the normal (1/kg).
@@ -286,10 +154,10 @@ struct Solve {
     const Supports supports = supportsOf(row);
     ContactVector& total = impulse(row);
     const double mass = 1.0 / supports.mobility, softness = row.softness * row.mobility * mass;
-    const double n = normalImpulse(row, mass, softness, total.n, row.target, speedAlong(rows, row));
+    const double n = normalImpulse(row, mass, softness, total.n, speedAlong(rows, row));
     const double change = n - total.n;
-    if (!canPassOn(supports, change)) {
-      solveContact(rows, row, total, row.target, free);
+    if (!canPassOn(row, supports, change)) {
+      solveContact(rows, row, total, free);
       return row.mobility;
     }
     applyImpulse(rows, row, {change, 0.0, 0.0});
@@ -475,7 +343,7 @@ struct Solve {
         change.add(row.change.n * row.change.n, mobility);
         change.add(row.change.u * row.change.u + row.change.v * row.change.v, row.mobility);
       } else {
-        solveContact(rows, row, impulse(row), row.target, free);
+        solveContact(rows, row, impulse(row), free);
         change.add(row.change.squaredNorm(), row.mobility);
       }
       noteChange(i, row.change);
@@ -530,7 +398,7 @@ struct Solve {
     if (stage == Stage::Positions) activateViolated();
     forEachSet([&](RowSet& set) {
       forEachActive(set, [&](std::uint32_t i, ContactConstraint& row) {
-        if (isOfPoint(contactOf(rows, i))) solveContact(rows, row, impulse(row), row.target, false);
+        if (isOfPoint(contactOf(rows, i))) solveContact(rows, row, impulse(row), false);
       });
     });
   }

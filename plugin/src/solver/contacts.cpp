@@ -3,6 +3,7 @@
 #include "solver/contacts.h"
 
 #include "mesh/surface.h"
+#include "solver/contact_row.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -13,7 +14,7 @@
 namespace limber {
 namespace {
 
-/// The same as kSoftness in contact_solver.cpp, for friction.
+/// The same as kSoftness, for friction.
 constexpr double kFrictionSoftness = 0.05;
 
 using Eigen::Matrix3d;
