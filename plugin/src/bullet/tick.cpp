@@ -157,7 +157,7 @@ void SoftBodySystem::Impl::WorldStep::read(btScalar tick) {
   });
   if (hasFields) {
     for (SoftBodyData* body : moving) applyFields(*body, double(tick));
-    for (LinkedGroup* group : awake) surroundBodies(*group, tick);
+    parallel.forEach(awake.size(), [&](std::size_t g) { surroundBodies(*awake[g], tick); });
   }
   if (boxesLater)
     for (LinkedGroup* group : awake) changed = updateBroadphaseBoxes(*group, tick) || changed;

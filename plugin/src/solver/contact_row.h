@@ -131,15 +131,15 @@ inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const 
 constexpr double kSoftness = 0.02;
 constexpr double kKept = 0.8;
 
-/// A contact that removes an overlap may push against a body that cannot move away: one that anchors
-/// hold, or the folds of a soft body around an object. There each overlap that is removed makes another
-/// one, and the energy would grow without limit. So the work of a contact in a tick is at most this
-/// multiple of m v^2, less in islands with anchors, with the row's mass and either the speed at which
-/// overlaps are removed or, if that is larger, the mean square of the velocities in the island: a fast
-/// hit makes overlaps, since its contacts are found late, and energy that is missing until they are
-/// removed. A contact with an impulse above m v may do less work, in proportion: contacts that push
-/// against each other have impulses of any size.
-constexpr double kRecoveryWork = 2.4, kAnchoredWork = 0.3;
+/// A contact that removes an overlap may push against a body that cannot move away: one that anchors hold, or
+/// the folds of a soft body around an object. There each overlap that is removed makes another one, and the
+/// energy would grow without limit. So the work of a contact in a tick is at most this multiple of m v^2,
+/// with the row's mass and either the speed at which overlaps are removed or, if that is larger, the mean
+/// square of the velocities in the island: a fast hit makes overlaps, since its contacts are found late, and
+/// energy that is missing until they are removed. A contact with an impulse above m v may do less work, in
+/// proportion: contacts that push against each other have impulses of any size. The smaller multiple is for
+/// islands with anchors and for contacts between soft bodies, which both yield.
+constexpr double kRecoveryWork = 2.4, kSmallRecoveryWork = 0.3;
 
 /// Share of the recovery speed up to which the work is not limited. Under a heavy body points of a gram could
 /// else not remove the small overlaps that every solve leaves, and a ball on a cloth would not come to rest.
@@ -150,10 +150,11 @@ constexpr double kFreeRecovery = 0.01;
 inline double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, const ContactConstraint& row,
                               bool anchored, double share) {
   if (!(row.target > 0.0) || isOfPoint(c)) return HUGE_VAL;
-  if (!anchored && c.a.kind != ContactPoint::Kind::Soft && c.b.kind != ContactPoint::Kind::Soft)
-    return HUGE_VAL;
+  constexpr auto kSoft = ContactPoint::Kind::Soft;
+  if (!anchored && c.a.kind != kSoft && c.b.kind != kSoft) return HUGE_VAL;
   const double squaredSpeed = std::max(c.recoverySpeed * c.recoverySpeed, rows.squaredMotion);
-  const double work = (anchored ? kAnchoredWork : kRecoveryWork) * share * row.mass * squaredSpeed;
+  const bool small = anchored || (c.a.kind == kSoft && c.b.kind == kSoft);
+  const double work = (small ? kSmallRecoveryWork : kRecoveryWork) * share * row.mass * squaredSpeed;
   const double load = share * row.mass * std::sqrt(squaredSpeed), impulse = row.positionImpulse.n;
   return impulse > load ? work * load / impulse : work;
 }

@@ -299,19 +299,13 @@ void divideAnchors(LinkedBodies& bodies) {
   }
 }
 
-Matrix3d crossOf(const Vector3d& v) {
-  Matrix3d cross;
-  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return cross;
-}
-
 /// Sets `solve` as  (1 + M^-1 A)^-1 M^-1  with  A = sum J^T m J,  which is regular where M^-1 is not.
 void updateSet(LinkedBodies& bodies, AnchorSet& set) {
   Matrix6d a = Matrix6d::Zero(), mobility = Matrix6d::Zero();
   for (std::uint32_t k = set.begin; k < set.end; ++k) {
     const LinkAnchor& anchor = anchorAt(bodies, k);
     const Vector3d mass = inverseMassOf(bodies, anchor).cwiseInverse();
-    const Matrix3d r = crossOf(anchor.arm), coupling = r * mass.asDiagonal();
+    const Matrix3d r = crossMatrix(anchor.arm), coupling = r * mass.asDiagonal();
     a.topLeftCorner<3, 3>().diagonal() += mass;
     a.bottomLeftCorner<3, 3>() += coupling;
     a.bottomRightCorner<3, 3>() -= coupling * r;

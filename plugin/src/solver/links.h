@@ -14,6 +14,13 @@ namespace limber {
 
 // --- rigid bodies ------------------------------------------------------------------------------------------
 
+/// Returns the matrix of the cross product with v:  crossMatrix(v) w = v x w.
+inline Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d cross;
+  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return cross;
+}
+
 /// A rigid body that springs or anchors join to soft bodies; it moves in their substeps.
 struct RigidState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, of the centre of mass
@@ -51,8 +58,7 @@ struct RigidState {
 
   /// 1/kg, 3 x 3: the velocity change at `arm` per impulse there.
   Eigen::Matrix3d mobilityAt(const Eigen::Vector3d& arm) const {
-    Eigen::Matrix3d cross;
-    cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+    const Eigen::Matrix3d cross = crossMatrix(arm);
     Eigen::Matrix3d m = -cross * inverseInertia * cross;
     m.diagonal() += inverseMass;
     return m;
