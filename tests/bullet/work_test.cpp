@@ -130,5 +130,39 @@ TEST(SurfaceWork, whatComesFastAndTurningIsNear) {
   EXPECT_LT((alone - inCompound).norm(), 1e-4);
 }
 
+/// Returns the substeps in a second of a carpet on a turntable.
+std::size_t substepsOnTurntable(double turn) {
+  BulletWorld bullet(-10.0);
+  btRigidBody* slab = bullet.addBox(vec(0.5, 0.1, 0.5), 5.0, vec(0, -0.1, 0));
+  slab->setDamping(0, 0);
+  slab->setActivationState(DISABLE_DEACTIVATION);
+  btHingeConstraint axle(*slab, vec(0, 0, 0), vec(0, 1, 0));
+  bullet.world->addConstraint(&axle, true);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.01, 0};
+  s.sleepingSpeed = 0.0;
+  s.extensionStiffness = s.compressionStiffness = 300.0;
+  ClothSettings cloth;
+  cloth.width = cloth.depth = 0.8;
+  cloth.columns = cloth.rows = 8;
+  SoftBody* carpet = *system.createBody(*buildCloth(cloth), s);
+  slab->setAngularVelocity(vec(0, turn, 0));
+  carpet->setVelocity(vec(0, 0, 0), vec(0, turn, 0));
+  std::size_t substeps = 0;
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick();
+    substeps += system.profile().substeps;
+  }
+  EXPECT_NEAR(double(slab->getAngularVelocity().y()), turn, 0.01 * turn + 1e-6) << "angular momentum is kept";
+  bullet.world->removeConstraint(&axle);
+  return substeps;
+}
+
+TEST(SurfaceWork, whatTurnsTogetherIsLikeWhatRests) {
+  if (!test::kSurface) GTEST_SKIP() << "searches within the step are of surfaces";
+  EXPECT_LE(substepsOnTurntable(5.0), substepsOnTurntable(0.0));
+}
+
 }  // namespace
 }  // namespace limber

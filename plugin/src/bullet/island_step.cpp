@@ -230,7 +230,7 @@ bool isAlone(const Island& island) {
   if (step.bodies.size() != 1 || !links.rigids.empty() || !links.springs.empty() || !links.anchors.empty())
     return false;
   const auto isStill = [](const Contact& c) { return c.b.velocity.isZero(0.0); };
-  const auto stays = [](const IslandPair& m) { return m.held.mean.isZero(0.0) && m.held.spread == 0.0; };
+  const auto stays = [](const IslandPair& m) { return m.held.isZero(); };
   return std::all_of(step.pairs.contacts.begin(), step.pairs.contacts.end(), isStill) &&
          std::all_of(island.candidates.begin(), island.candidates.end(), stays) &&
          areSurfacesAtRest(*step.bodies[0].contacts);

@@ -10,6 +10,7 @@
 #include "bullet/soft_body_data.h"
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
+#include "collide/relative_motion.h"
 #include "solver/spring_batches.h"
 #include "solver/verlet_step.h"
 
@@ -160,12 +161,6 @@ void reportStepping(LinkedGroup& group, double tick);
 
 // --- islands -----------------------------------------------------------------------------------------------
 
-/// The velocity of a surface.
-struct SurfaceMotion {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< m/s
-  double spread = 0.0;                             ///< m/s, largest departure of a point from it
-};
-
 /// A pair of members of an island whose surfaces touch or may touch.
 struct IslandPair {
   const SurfaceCandidate* surfaces = nullptr;
@@ -179,7 +174,8 @@ struct IslandPair {
   SurfaceMotion held;  ///< of side b, if it is static or kinematic
 
   // Written by planSearches() and the searches within the step.
-  SurfaceMotion known;       ///< of side a relative to side b at the last search
+  MotionFrame frame = MotionFrame::Still;  ///< of the next one
+  RelativeMotion known;                    ///< of side a to side b at the last search
   double moved = 0.0;        ///< since the last search, as a share of the motion after which one is due
   double moving = 0.0;       ///< until the next round of searches, likewise
   std::uint32_t period = 0;  ///< rounds until the next search, a power of 2; 0: it is not due now

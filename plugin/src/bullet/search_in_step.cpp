@@ -105,29 +105,15 @@ double searchesFor(const IslandPair& m, double displacement) {
 /// Longest time between two searches of a pair that moves, in rounds.
 constexpr std::uint32_t kLongestPeriod = 16;
 
-/// Returns the motion of `count` points of which velocityOf(i) is a velocity.
-template <class VelocityOf>
-SurfaceMotion motionOf(Eigen::Index count, VelocityOf velocityOf) {
-  SurfaceMotion motion;
-  for (Eigen::Index i = 0; i < count; ++i) motion.mean += velocityOf(i);
-  motion.mean /= static_cast<double>(count);
-  double squared = 0.0;
-  for (Eigen::Index i = 0; i < count; ++i)
-    squared = std::max(squared, (velocityOf(i) - motion.mean).squaredNorm());
-  motion.spread = std::sqrt(squared);
-  return motion;
-}
-
-SurfaceMotion motionOf(const PointView& points, Eigen::Index count) {
-  return motionOf(count, [&](Eigen::Index i) -> Eigen::Vector3d {
-    return points.velocityOf(static_cast<std::uint32_t>(i));
-  });
-}
-
 /// Of the surface of a body that rotates about its centre of mass.
 SurfaceMotion motionOf(const RigidState& rigid, const btRigidBody& body) {
-  return {rigid.velocity,
-          rigid.angularVelocity.norm() * double(body.getCollisionShape()->getAngularMotionDisc())};
+  const double radius = double(body.getCollisionShape()->getAngularMotionDisc());
+  return {rigid.position,
+          rigid.velocity,
+          rigid.angularVelocity,
+          radius,
+          rigid.angularVelocity.norm() * radius,
+          0.0};
 }
 
 SurfaceMotion motionOfB(const IslandPair& m, const Island& island) {
@@ -137,9 +123,15 @@ SurfaceMotion motionOfB(const IslandPair& m, const Island& island) {
 }
 
 /// Returns the present motion of side a relative to side b.
-SurfaceMotion relativeMotion(const IslandPair& m, const Island& island) {
-  const SurfaceMotion &a = island.motions[m.a], b = motionOfB(m, island);
-  return {a.mean - b.mean, a.spread + b.spread};
+RelativeMotion relativeMotion(const IslandPair& m, const Island& island) {
+  return relativeMotion(island.motions[m.a], motionOfB(m, island), m.frame);
+}
+
+/// Stores the present relative motion, in the frame in which it is least.
+void rememberMotion(IslandPair& m, const Island& island) {
+  m.frame = calmestFrame(island.motions[m.a], motionOfB(m, island), featureSizeOf(*m.surfaces));
+  m.known = relativeMotion(m, island);
+  m.moved = 0.0;
 }
 
 /// Motion under load between two searches, as a share of the radius of points.
@@ -149,13 +141,13 @@ constexpr double kUnderLoad = 0.5;
 /// of the motion at its time. Of the motion that hits have added since, the sum of the radii counts as a
 /// whole share: the surfaces must be found before they are through one another. Under a load that throws
 /// points round edges, so does a part of the points' radius of all motion.
-double shareOf(const IslandPair& m, const SurfaceMotion& motion, double time, double tick) {
-  const double speed = motion.mean.norm() + motion.spread;
+double shareOf(const IslandPair& m, const RelativeMotion& motion, double time, double tick) {
+  const double features = featureSizeOf(*m.surfaces), speed = motion.speed(features);
   const double added = (motion.mean - m.known.mean).norm() + std::max(0.0, motion.spread - m.known.spread);
   const double underLoad =
       m.releases > 0.0 ? speed / (kUnderLoad * m.surfaces->body->surface.moving.radius) : 0.0;
-  return searchesFor(m, tick * speed / featureSizeOf(*m.surfaces)) * time / tick +
-         added * time / radiusSumOf(*m.surfaces) + underLoad * time;
+  return searchesFor(m, tick * speed / features) * time / tick + added * time / radiusSumOf(*m.surfaces) +
+         underLoad * time;
 }
 
 /// Sets the periods of the pairs that would move too far until the next round, `ahead` s from now, and 0 for
@@ -166,12 +158,10 @@ std::uint32_t findDue(Island& island, double ahead, double tick) {
     m.period = 0;
     if (!m.needsNewSearch()) continue;
     m.moved += m.moving;
-    const SurfaceMotion motion = relativeMotion(m, island);
-    m.moving = shareOf(m, motion, ahead, tick);
+    m.moving = shareOf(m, relativeMotion(m, island), ahead, tick);
     if (m.moved + m.moving <= 1.0) continue;
-    m.known = motion;
-    m.moved = 0.0;
-    m.moving = shareOf(m, motion, ahead, tick);
+    rememberMotion(m, island);
+    m.moving = shareOf(m, m.known, ahead, tick);
     for (m.period = 1; m.period < kLongestPeriod && 2.0 * m.period * m.moving <= 1.0;) m.period *= 2;
     longest = std::max(longest, m.period);
   }
@@ -181,7 +171,7 @@ std::uint32_t findDue(Island& island, double ahead, double tick) {
 void findMotions(Island& island, const std::vector<PointView>& views, Team& team) {
   island.motions.resize(island.softBodies.size());
   team.forEach(static_cast<std::uint32_t>(island.softBodies.size()), [&](std::uint32_t i) {
-    island.motions[i] = motionOf(views[i], island.step.bodies[i].points->position.cols());
+    island.motions[i] = fittedMotion(views[i], island.step.bodies[i].points->position.cols());
   });
 }
 
@@ -285,8 +275,7 @@ int substepsFor(const Island& island, const SearchNeeds& needs, double tick) {
 void startRounds(Island& island, double ahead, double tick) {
   for (IslandPair& m : island.candidates) {
     if (!m.needsNewSearch()) continue;
-    m.known = relativeMotion(m, island);
-    m.moved = 0.0;
+    rememberMotion(m, island);
     m.moving = shareOf(m, m.known, ahead, tick);
   }
 }
@@ -294,8 +283,9 @@ void startRounds(Island& island, double ahead, double tick) {
 }  // namespace
 
 SurfaceMotion heldMotion(const RigidPart& part, double tick) {
-  return motionOf(part.motion.cols(),
-                  [&](Eigen::Index i) -> Eigen::Vector3d { return part.motion.col(i) / tick; });
+  SurfaceMotion m = fittedMotion(*part.moving.position, part.motion);
+  m.mean /= tick, m.turn /= tick, m.spread /= tick, m.deformation /= tick;
+  return m;
 }
 
 int planSearches(SearchContext& context, int substeps) {
@@ -310,7 +300,7 @@ int planSearches(SearchContext& context, int substeps) {
   const double tick = context.found->tick;
   island.motions.clear();
   for (const SolverBody& body : island.step.bodies)
-    island.motions.push_back(motionOf(viewOf(*body.points), body.points->position.cols()));
+    island.motions.push_back(fittedMotion(viewOf(*body.points), body.points->position.cols()));
   startRounds(island, tick * every / substeps, tick);
   return substeps;
 }

@@ -379,13 +379,24 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
 
 // --- within a step -----------------------------------------------------------------------------------------
 
+/// Returns the largest relative displacement (m) in the tick by the predicted motion. Only if it makes the
+/// contacts invalid, the turn that both surfaces have in common is looked for.
+double predictedDisplacement(const SurfaceCandidate& m) {
+  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
+  const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
+  const double still = longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common);
+  const double features = featureSizeOf(m);
+  if (!(still > searchDistanceOf(m) * features)) return still;
+  const SurfaceMotion motionA = fittedMotion(*a.position, *a.motion),
+                      motionB = fittedMotion(*b.position, *b.motion);
+  const MotionFrame frame = calmestFrame(motionA, motionB, features);
+  return std::min(still, relativeMotion(motionA, motionB, frame).speed(features));
+}
+
 /// Returns the largest relative displacement (m) in the tick, by the predicted motion and by hits on static
 /// and kinematic objects.
 double ownDisplacement(const SurfaceCandidate& m) {
-  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
-  const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
-  return longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common) +
-         m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
+  return predictedDisplacement(m) + m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
 }
 
 }  // namespace
