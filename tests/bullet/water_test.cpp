@@ -258,6 +258,43 @@ TEST_F(WaterTest, aDampedLightSolidLeapsOutOfTheWaterInItsShape) {
   }
 }
 
+/// A stiff ball of a 270th of the water's density.
+SoftBodySettings lightBall() {
+  SoftBodySettings s = usualSettings();
+  s.extensionStiffness = s.compressionStiffness = 1e4;
+  s.scale.setConstant(0.4);
+  s.position = {0, -1.2, 0};
+  return s;
+}
+
+// The bounds of the frequency with the water's mass do not hold for the body alone.
+TEST_F(WaterTest, aLightStiffBallRisesAndFloatsCalmly) {
+  for (const double tick : {1.0 / 60.0, 1.0 / 30.0}) {
+    setWater(0.0);
+    const SharedNetwork network = solidOf(small_meshes::icosphere(1));
+    SoftBody* ball = add(network, lightBall());
+    for (int i = 0; i * tick < 4.0; ++i) {
+      bullet.tick(tick);
+      ASSERT_LT(ball->elasticEnergy(), 10.0) << "tick " << tick << ", " << i;
+      ASSERT_LT(std::abs(fallOf(*ball)), 5.0) << "tick " << tick << ", " << i;
+    }
+    EXPECT_LT(ball->kineticEnergy(), 1e-3) << "tick " << tick;
+    ASSERT_TRUE(system.destroyBody(ball));
+  }
+}
+
+TEST_F(WaterTest, aLightStiffBallFallsInItsShapeWhenTheWaterIsDrained) {
+  setWater(0.0);
+  SoftBody* ball = add(solidOf(small_meshes::icosphere(1)), lightBall());
+  for (int i = 0; i < 20; ++i) bullet.tick();
+  ASSERT_TRUE(system.setWater(std::nullopt));
+  const double energy = ball->elasticEnergy() + ball->kineticEnergy();
+  for (int i = 0; i < 20; ++i) {
+    bullet.tick();
+    ASSERT_LT(ball->elasticEnergy(), energy + 1.0) << i;
+  }
+}
+
 // Springs far weaker than the water's pressure: it would turn the ball inside out.
 TEST_F(WaterTest, verySoftBodiesFloatInTheirShape) {
   setWater(0.0);

@@ -238,6 +238,7 @@ void steadyForces(const SoftBodyData& body, const Lift& lift, const WaterPlane& 
 void massesHaveChanged(SoftBodyData& body) {
   body.springs.damperTime = 0.0;
   ++body.springs.revision;
+  body.frequencyStale = true;
 }
 
 /// Adds the mass of the water that moves with the body to its points in this tick, so that contacts, anchors
