@@ -338,6 +338,22 @@ TEST_F(WaterTest, undampedVerySoftBodiesGainNoEnergyOnWater) {
   }
 }
 
+TEST_F(WaterTest, lightSolidsRiseAlikeAtAnyTick) {
+  setWater(10.0);
+  for (const double mass : {1.0, 5.0, 20.0})
+    for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0, 1.0 / 480.0}) {
+      SoftBodySettings s = stiffSolid(mass);
+      s.flow.drag = s.flow.linearDrag = 0.0;
+      SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+      const int ticks = static_cast<int>(std::lround(0.1 / tick));
+      for (int i = 0; i < ticks; ++i) bullet.tick(tick);
+      // half the displaced mass of 1000 kg moves with it; the pressure compresses the body by 3 %
+      const double expected = 0.1 * kGravity * (1000.0 - mass) / (500.0 + mass);
+      EXPECT_NEAR(-fallOf(*cube), expected, 0.05 * expected) << mass << " kg, tick " << tick;
+      ASSERT_TRUE(system.destroyBody(cube));
+    }
+}
+
 TEST_F(WaterTest, lightSoftBodiesDeepUnderWaterAreNotCrushed) {
   setWater(20.0);
   SoftBodySettings s = usualSettings();

@@ -160,7 +160,6 @@ std::size_t substepsOnTurntable(double turn) {
 }
 
 TEST(SurfaceWork, whatTurnsTogetherIsLikeWhatRests) {
-  if (!test::kSurface) GTEST_SKIP() << "searches within the step are of surfaces";
   EXPECT_LE(substepsOnTurntable(5.0), substepsOnTurntable(0.0));
 }
 

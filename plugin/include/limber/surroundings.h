@@ -53,9 +53,10 @@ struct Air {
 };
 
 /// Water below a plane perpendicular to gravity. It carries the volume of closed surfaces below the plane,
-/// rho g V exactly, and all bodies have drag in it. It does not get out of the way: no waves, no wake. On a
-/// solid that is too light for the tick, the water acts as a whole, and resists with the inertia of the water
-/// that the body pushes aside and with the waves that carry its energy away (unless FlowCoefficients::
+/// rho g V exactly, and all bodies have drag in it. It does not get out of the way: no waves, no wake. A
+/// solid of up to a tenth of the water's density has the inertia of the water that it pushes aside, too: half
+/// the displaced mass, as a sphere; from a fifth on none. On a solid that is too light for the tick, the
+/// water acts as a whole, with that inertia, and the waves carry its energy away (unless FlowCoefficients::
 /// linearDrag is set), so that it comes to rest. The pressure compresses soft bodies: they displace less.
 struct Water {
   double density = 1000.0;                         ///< kg/m^3, above 0, to 1e5

@@ -185,6 +185,16 @@ double heldShare(const WettedParts& parts, const WaterPlane& plane) {
   return std::clamp((kCrushingStrain - strain) / (kCrushingStrain - kHeldStrain), 0.0, 1.0);
 }
 
+/// Density relative to the water's: up to the first a body has the whole inertia of the water that it pushes
+/// aside, at any tick, from the second on none at ticks that are short enough. It matters where it is several
+/// times the body's own.
+constexpr double kLightDensity = 0.1, kHeavyDensity = 0.2;
+
+double lightnessOf(const Lift& lift, const WettedParts& parts, const WaterPlane& plane, double gravity) {
+  const double density = lift.mass * gravity / (plane.weight * parts.volume);
+  return std::clamp((kHeavyDensity - density) / (kHeavyDensity - kLightDensity), 0.0, 1.0);
+}
+
 /// Sets `places` to the rest shape as it moves with the body, in the middle of the tick.
 void placeRestShape(SoftBodyData& body, const Points& predicted, double tick, Points& places) {
   const RestShape& rest = body.model->rest;
@@ -290,9 +300,12 @@ Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, do
   const bool above = !(lift.wetMass > 0.0);
   if (!above) bobbing.local = localShare(lift, plane, tick);
   const double steady = above ? 1.0 : 1.0 - bobbing.local;
-  if (steady == 0.0 && bobbing.held == 1.0) return bobbing;
   const Vector3d gravity = toEigen(body.world->getGravity());
-  if (!above) bobbing.own = lift.mass / (lift.mass + steady * 0.5 * lift.sum.norm() / gravity.norm());
+  if (!above) {
+    const double share = std::max(steady, lightnessOf(lift, body.model->parts, plane, gravity.norm()));
+    bobbing.own = lift.mass / (lift.mass + share * 0.5 * lift.sum.norm() / gravity.norm());
+  }
+  if (steady == 0.0 && bobbing.held == 1.0) return bobbing;
   Vector3d others = bobbing.own * medium.others.value_or(gravity);
   // what balances buoyancy is below 2 g: the body has the mass of half of the water that lifts it
   if (const double most = 2.0 * gravity.norm(), size = others.norm(); size > most) others *= most / size;
