@@ -106,6 +106,33 @@ TEST(Grab, pullsNoMoreThanItsForce) {
   EXPECT_LT(test::lowest(*cube), 0.1) << "it is not lifted by half its weight";
 }
 
+// The limit holds in each tick, not only in those with a moveTo().
+TEST(Grab, aSmallForceDoesNotHoldAHangingRope) {
+  double depths[2];
+  for (const bool moves : {false, true}) {
+    BulletWorld bullet(-kGravity);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.totalMass = 2.0;
+    s.damping = 50.0;
+    RopeSettings rope;
+    rope.segments = 4;
+    SoftBody* body = *system.createBody(*buildRope(rope), s);
+    GrabSettings weak;
+    weak.maxForce = 10.0;
+    Result<Grab> held = grab(system, body, 0, weak);
+    ASSERT_TRUE(held);
+    const btVector3 place = held->body()->point(0)->getCenterOfMassPosition();
+    for (int i = 0; i < 120; ++i) {
+      if (moves) held->moveTo(place);
+      bullet.tick();
+    }
+    depths[moves] = double(place.y()) - body->position(0).y();
+    EXPECT_GT(depths[moves], 0.5) << "it slides down under 19.6 N";
+  }
+  EXPECT_NEAR(depths[0], depths[1], 1e-9);
+}
+
 /// The pull is limited to 10 N of 1 kg: with critical damping for each distance d it goes at up to
 /// sqrt(F d / m) / 2 = 11 m/s, and stops at the place.
 TEST(Grab, goesFarWithASmallForceAndStops) {

@@ -10,11 +10,14 @@
 
 #include <btBulletDynamicsCommon.h>
 
-#include <array>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+struct GrabPull;
 
 struct GrabSettings {
   double frequency = 4.0;  ///< Hz, 0.01 to 1000, of the body's mass on the spring, which is critically damped
@@ -37,25 +40,26 @@ class LIMBER_API Grab {
   Grab(Grab&& other) noexcept;
   Grab& operator=(Grab&& other) noexcept;
 
-  /// Moves the place and wakes the body. With the place's velocity (m/s) the point does not lag behind a
+  /// Moves the place and wakes the body. The springs pull to it in all of the coming ticks: of a place that
+  /// moves, give the one in the middle of the tick. With its velocity (m/s) the point does not lag behind a
   /// place that moves evenly, by 2 / (2 pi frequency) seconds. No effect on a place that is not finite.
   void moveTo(const btVector3& place, const btVector3& velocity = btVector3(0, 0, 0));
   void release();
 
-  bool holds() const;                             ///< false after release(), or if body or world is gone
-  SoftBody* body() const { return body_.get(); }  ///< nullptr if it is gone
-  std::uint32_t point() const { return point_; }  ///< of the body
-  btVector3 force() const;  ///< N on the body, with the damping, at the end of the last tick
+  bool holds() const;           ///< false after release(), or if body or world is gone
+  SoftBody* body() const;       ///< nullptr after release(), or if it is gone
+  std::uint32_t point() const;  ///< of the body; 0 after release()
+  btVector3 force() const;      ///< N on the body, with the damping, at the end of the last tick
 
  private:
   friend LIMBER_API Result<Grab> grab(SoftBodySystem&, SoftBody*, std::uint32_t, const GrabSettings&);
-  static void mark(SpringConstraint& spring);  // as one of a grab
+  friend class SoftBodySystem;
+  static void mark(SpringConstraint& spring, const std::shared_ptr<GrabPull>& pull);
+  static void aim(GrabPull& pull);                                        // its springs at its place
+  static void aimLimited(const std::vector<SpringConstraint*>& springs);  // at the start of a tick
 
   SoftBodySystem* system_ = nullptr;  // exists as long as one of the springs does
-  Handle<SoftBody> body_;
-  std::uint32_t point_ = 0;
-  std::array<Handle<SpringConstraint>, 3> springs_;          // one along each axis, to a place far away
-  double stiffness_ = 0.0, damping_ = 0.0, maxForce_ = 0.0;  // damping_: of the unlimited pull
+  std::shared_ptr<GrabPull> pull_;    // shared with its springs
 };
 
 /// Grabs point i of a body, at its present position. Errors: no body of this system, no such point, a pinned

@@ -14,6 +14,8 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+struct GrabPull;
+
 /// The attachment of one end of a spring: a rigid body with a pivot in its local coordinates, a point mass of
 /// a soft body (SoftBody::point(i), pivot 0), or a fixed point in the world (no body, the pivot in world
 /// coordinates).
@@ -68,7 +70,7 @@ class LIMBER_API SpringConstraint {
   SpringSettings settings_;
   double force_ = 0.0;
   bool broken_ = false;
-  bool ofGrab_ = false;               // a Grab holds a point by it: it is not a part of saved states
+  std::shared_ptr<GrabPull> grab_;    // that holds a point by it: it is not a part of saved states
   std::shared_ptr<const void> life_;  // expires with the spring; nullptr until there is a handle
 };
 

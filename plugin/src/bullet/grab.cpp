@@ -56,63 +56,86 @@ Result<void> SoftBodySystem::moveSpring(SpringConstraint* spring, const btVector
 
 // --- grabs -------------------------------------------------------------------------------------------------
 
+/// A place to which three springs pull a point, one along each axis, to a place far away.
+struct GrabPull {
+  Handle<SoftBody> body;
+  std::uint32_t point = 0;
+  std::array<Handle<SpringConstraint>, 3> springs;
+  double stiffness = 0.0, damping = 0.0, maxForce = 0.0;  ///< of the unlimited pull
+  btVector3 place = btVector3(0, 0, 0), velocity = btVector3(0, 0, 0);
+
+  bool holds() const { return body && body->alive() && springs[0] && springs[1] && springs[2]; }
+};
+
+void Grab::mark(SpringConstraint& spring, const std::shared_ptr<GrabPull>& pull) { spring.grab_ = pull; }
+
+void Grab::aim(GrabPull& pull) {
+  const btVector3 from = positionOfPoint(*pull.body, pull.point), way = pull.place - from;
+  double stiffness = pull.stiffness, damping = pull.damping;
+  const double distance = double(way.length());
+  if (pull.maxForce > 0.0 && distance * stiffness > pull.maxForce) {
+    // the spring that pulls with the force F at the distance d has the stiffness F / d
+    damping *= std::sqrt(pull.maxForce / (distance * stiffness));
+    stiffness = pull.maxForce / std::min(distance, kLongestPull);
+  }
+  btVector3 stretch = way + static_cast<btScalar>(damping / stiffness) * pull.velocity;
+  if (pull.maxForce > 0.0 && double(stretch.length()) * stiffness > pull.maxForce)
+    stretch *= static_cast<btScalar>(pull.maxForce / stiffness) / stretch.length();
+  for (int i = 0; i < 3; ++i) {
+    SpringConstraint& spring = *pull.springs[static_cast<std::size_t>(i)];
+    spring.settings_.stiffness = stiffness;
+    spring.settings_.damping = damping;
+    spring.b_.pivot = from + stretch + kSpringLength * axisOf(i);
+  }
+}
+
+void Grab::aimLimited(const std::vector<SpringConstraint*>& springs) {
+  for (const SpringConstraint* spring : springs) {
+    GrabPull* pull = spring->grab_.get();
+    if (pull && pull->maxForce > 0.0 && pull->springs[0].get() == spring && pull->holds()) aim(*pull);
+  }
+}
+
 Grab::Grab(Grab&& other) noexcept { *this = std::move(other); }
 
 Grab& Grab::operator=(Grab&& other) noexcept {
   if (this == &other) return *this;
   release();
   system_ = std::exchange(other.system_, nullptr);
-  body_ = std::exchange(other.body_, {});
-  point_ = other.point_;
-  springs_ = std::exchange(other.springs_, {});
-  stiffness_ = other.stiffness_;
-  damping_ = other.damping_;
-  maxForce_ = other.maxForce_;
+  pull_ = std::exchange(other.pull_, nullptr);
   return *this;
 }
 
-bool Grab::holds() const { return body_ && body_->alive() && springs_[0] && springs_[1] && springs_[2]; }
+bool Grab::holds() const { return pull_ && pull_->holds(); }
+
+SoftBody* Grab::body() const { return pull_ ? pull_->body.get() : nullptr; }
+
+std::uint32_t Grab::point() const { return pull_ ? pull_->point : 0; }
 
 void Grab::moveTo(const btVector3& place, const btVector3& velocity) {
   if (!holds() || !isFinitePlace(place) || !isFinitePlace(velocity)) return;
-  const btVector3 from = positionOfPoint(*body_, point_);
-  double stiffness = stiffness_, damping = damping_;
-  const double distance = double((place - from).length());
-  if (maxForce_ > 0.0 && distance * stiffness_ > maxForce_) {
-    // the spring that pulls with the force F at the distance d has the stiffness F / d
-    damping *= std::sqrt(maxForce_ / (distance * stiffness_));
-    stiffness = maxForce_ / std::min(distance, kLongestPull);
-  }
-  btVector3 pull = place - from + static_cast<btScalar>(damping / stiffness) * velocity;
-  if (maxForce_ > 0.0 && double(pull.length()) * stiffness > maxForce_)
-    pull *= static_cast<btScalar>(maxForce_ / stiffness) / pull.length();
-  for (int i = 0; i < 3; ++i) {
-    SpringConstraint* spring = springs_[static_cast<std::size_t>(i)].get();
-    spring->settings_.stiffness = stiffness;
-    spring->settings_.damping = damping;
-    system_->moveSpring(spring, from + pull + kSpringLength * axisOf(i));
-  }
-  body_->wake();
+  pull_->place = place;
+  pull_->velocity = velocity;
+  aim(*pull_);
+  pull_->body->wake();
 }
 
 void Grab::release() {
-  for (Handle<SpringConstraint>& spring : springs_)
+  if (!pull_) return;
+  for (Handle<SpringConstraint>& spring : pull_->springs)
     if (spring) system_->removeSpring(spring.get());
-  springs_ = {};
-  body_ = {};
+  pull_.reset();
 }
 
 btVector3 Grab::force() const {
   btVector3 sum(0, 0, 0);
   for (int i = 0; holds() && i < 3; ++i) {
-    const SpringConstraint& spring = *springs_[static_cast<std::size_t>(i)];
-    const double force = spring.force() - spring.settings().damping * body_->velocity(point_)[i];
+    const SpringConstraint& spring = *pull_->springs[static_cast<std::size_t>(i)];
+    const double force = spring.force() - spring.settings().damping * pull_->body->velocity(pull_->point)[i];
     sum += static_cast<btScalar>(force) * axisOf(i);
   }
   return sum;
 }
-
-void Grab::mark(SpringConstraint& spring) { spring.ofGrab_ = true; }
 
 Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const GrabSettings& settings) {
   if (!belongsTo(system, body)) return Error{"the soft body is not, or no longer, one of this system"};
@@ -121,24 +144,23 @@ Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const
   if (!(settings.maxForce >= 0.0)) return Error{"the largest force of a grab must be 0 or more"};
   if (!body->point(i)) return Error{"the soft body has no such point"};
   if (body->pinned(i)) return Error{"the point is pinned"};
-  const double omega = kTwoPi * settings.frequency;
+  const double omega = kTwoPi * settings.frequency, mass = body->totalMass();
   Grab held;
   held.system_ = &system;
-  held.body_ = body->handle();
-  held.point_ = i;
-  held.stiffness_ = body->totalMass() * omega * omega;
-  held.damping_ = 2.0 * body->totalMass() * omega;
-  held.maxForce_ = settings.maxForce;
+  held.pull_ = std::make_shared<GrabPull>();
+  GrabPull& pull = *held.pull_;
+  pull = {body->handle(), i, {}, mass * omega * omega, 2.0 * mass * omega, settings.maxForce};
+  pull.place = positionOfPoint(*body, i);
   SpringSettings spring;
   spring.restLength = double(kSpringLength);
-  spring.stiffness = held.stiffness_;
-  spring.damping = held.damping_;
+  spring.stiffness = pull.stiffness;
+  spring.damping = pull.damping;
   for (int axis = 0; axis < 3; ++axis) {
-    const btVector3 end = positionOfPoint(*body, i) + kSpringLength * axisOf(axis);
+    const btVector3 end = pull.place + kSpringLength * axisOf(axis);
     Result<SpringConstraint*> added = system.addSpring({body->point(i)}, {nullptr, end}, spring);
     if (!added) return Error{added.error()};
-    Grab::mark(**added);
-    held.springs_[static_cast<std::size_t>(axis)] = (*added)->handle();
+    Grab::mark(**added, held.pull_);
+    pull.springs[static_cast<std::size_t>(axis)] = (*added)->handle();
   }
   return held;
 }

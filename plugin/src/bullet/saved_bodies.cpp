@@ -98,7 +98,7 @@ std::string checkCount(const char* what, std::size_t saved, std::size_t present)
 std::vector<SpringConstraint*> SoftBodySystem::Impl::savedSprings() const {
   std::vector<SpringConstraint*> saved;
   for (const auto& spring : this->springs)
-    if (!spring->ofGrab_) saved.push_back(spring.get());
+    if (!spring->grab_) saved.push_back(spring.get());
   return saved;
 }
 

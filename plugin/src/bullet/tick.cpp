@@ -13,6 +13,8 @@
 #include "bullet/tearing.h"
 #include "bullet/tick_contacts.h"
 
+#include <limber/grab.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -125,6 +127,7 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
 
 void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   rebuildGroupsIfNeeded();
+  Grab::aimLimited(springs);
   for (Impl* system : systems) system->clearForcesOnNewStep();
   objects.find(*world);
   kinematic.follow(*world, objects, tick);
