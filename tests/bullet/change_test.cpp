@@ -422,7 +422,11 @@ TEST(Place, aFarPinTargetIsReachedAtTheSpeedAllowed) {
   ASSERT_TRUE(world.body->pin(0));
   world.bullet.tick();
   const Eigen::Vector3d start = world.body->position(0);
+  const double energy = world.body->elasticEnergy();
   ASSERT_TRUE(world.body->movePin(0, vec(start.x() + 2.0, start.y(), start.z())));
+  EXPECT_EQ(world.body->position(0), start) << "it goes in the next tick";
+  EXPECT_EQ(world.body->elasticEnergy(), energy);
+  EXPECT_LT(world.body->pinForce(0).length(), 1e-3);
   world.bullet.tick();
   EXPECT_NEAR((world.body->position(0) - start).norm(), 0.5, 1e-6);
   for (int i = 0; i < 3; ++i) world.bullet.tick();

@@ -373,7 +373,8 @@ bool isReadable(const PointMasses& masses) { return masses.exposed && !masses.in
 
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = isReadable(body.masses) ? body.masses.bodies[i] : nullptr;
-  if (!point) return body.state.position.col(i);
+  // the body of a pin is where the pin goes in the next tick
+  if (!point || (body.masses.held[i] && point->isKinematicObject())) return body.state.position.col(i);
   return body.state.position.col(i) +
          difference(point->getWorldTransform().getOrigin(), body.masses.leftPosition[i]);
 }
