@@ -143,6 +143,27 @@ TEST(Teardown, removingOnePointEndsTheBodyButNotTheWorld) {
   EXPECT_EQ(system.bodyCount(), 1u);
 }
 
+TEST(Teardown, theOtherPointsRestOnTheFloorAsBulletsOwnBodies) {
+  if (test::kSurface) GTEST_SKIP() << "no points in the world";
+  BulletWorld bullet;
+  bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.52, 0};
+  SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+  for (int i = 0; i < 60; ++i) bullet.tick();
+  btRigidBody* removed = nullptr;
+  for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
+    if (cube->position(i).y() > 0.5) removed = cube->point(i);
+  bullet.world->removeRigidBody(removed);
+  for (int i = 0; i < 60; ++i) bullet.tick();
+  EXPECT_FALSE(cube->alive());
+  for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
+    EXPECT_GT(double(cube->point(i)->getWorldTransform().getOrigin().y()), 0.0) << "point " << i;
+  bullet.world->addRigidBody(removed);
+  EXPECT_TRUE(cube->alive());
+}
+
 TEST(Teardown, bodiesComeAndGoWhileTheWorldRuns) {
   BulletWorld bullet;
   bullet.addBoxFloor();

@@ -357,11 +357,14 @@ void forEachPointManifold(btDispatcher& dispatcher, Visit visit) {
   });
 }
 
-/// Returns whether both objects are points of soft bodies, at least one of them awake: gatherPointPairs()
-/// adds their contacts.
+bool isStepped(const PointMass& point) { return point.owner()->alive && !point.owner()->asleep; }
+
+/// Returns whether both objects are points of living soft bodies, at least one of them awake:
+/// gatherPointPairs() adds their contacts.
 bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject& partner) {
   const PointMass* other = PointMass::from(&partner);
-  return other && other->owner() && !(point.owner()->asleep && other->owner()->asleep);
+  return other && other->owner() && point.owner()->alive && other->owner()->alive &&
+         (isStepped(point) || isStepped(*other));
 }
 
 bool hasRows(const PointMass& point, const btCollisionObject& partner) {
@@ -377,7 +380,7 @@ void readManifolds(btDispatcher& dispatcher) {
   forEachPointManifold(
       dispatcher, [](btPersistentManifold& manifold, PointMass& point, const btCollisionObject& partner) {
         const bool betweenPoints = isBetweenAwakePoints(point, partner);
-        if (!betweenPoints && (point.owner()->asleep || !isStaticOrKinematic(partner))) return;
+        if (!betweenPoints && (!isStepped(point) || !isStaticOrKinematic(partner))) return;
         const btCollisionShape& shape = *partner.getCollisionShape();
         const bool isSimple = manifold.getNumContacts() == 1 && !shape.isConcave() && !shape.isCompound();
         if (isSimple && !betweenPoints) point.cachedContact = &manifold;
@@ -389,9 +392,9 @@ void disableBulletResponse(btDispatcher& dispatcher) {
   forEachPointManifold(dispatcher, [](btPersistentManifold& manifold, const PointMass& point,
                                       const btCollisionObject& partner) {
     // where an object is at its end pose, Bullet would push the point out of that
-    const bool onOwnRows = !point.owner()->asleep && (isAtEndPose(partner) || hasRows(point, partner));
+    const bool onOwnRows = isStepped(point) && (isAtEndPose(partner) || hasRows(point, partner));
     // a contact without rows is one that the user's filter has removed
-    const bool onFilter = !point.owner()->asleep && isFiltered(*point.owner());
+    const bool onFilter = isStepped(point) && isFiltered(*point.owner());
     if (onOwnRows || onFilter || isBetweenAwakePoints(point, partner))
       manifold.setContactProcessingThreshold(kIgnoredByBullet);
   });
