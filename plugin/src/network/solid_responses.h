@@ -47,8 +47,9 @@ struct SpringLimits {
 /// with the present constants k0 and the springs' shares of the sum of k L^2. Uses the method of Levenberg
 /// and Marquardt for log k within the limits; each step is solved by conjugate gradients. The derivative of
 /// the compliance of loads i, j is  -e_i e_j  for the constant of a spring with the extensions e. `goOn` is
-/// called with the progress, 0 to 1; after it has returned false, no further steps are made.
-void fitResponses(SpringNetwork& network, const SolidResponses& wanted, const SpringLimits& limits,
-                  const std::function<bool(double)>& goOn = {});
+/// called with the progress, 0 to 1; after it has returned false, no further steps are made. Returns the
+/// largest stiffness that is left, relative to the wanted one, of all loads.
+double fitResponses(SpringNetwork& network, const SolidResponses& wanted, const SpringLimits& limits,
+                    const std::function<bool(double)>& goOn = {});
 
 }  // namespace limber
