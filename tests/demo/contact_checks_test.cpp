@@ -12,7 +12,12 @@ namespace {
 
 void shift(SoftBody& body, const Eigen::Vector3d& by) {
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
-    body.point(i)->getWorldTransform().setOrigin(toBullet(body.position(i) + by));
+    const btVector3 to = toBullet(body.position(i) + by);
+    if (body.pinned(i)) {
+      EXPECT_TRUE(body.teleportPin(i, to));
+      continue;
+    }
+    body.point(i)->getWorldTransform().setOrigin(to);
     body.point(i)->getInterpolationWorldTransform() = body.point(i)->getWorldTransform();
   }
 }
