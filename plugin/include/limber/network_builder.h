@@ -118,13 +118,13 @@ struct MaterialMesh {
 /// finite elements. So the body is equally stiff in all directions, and it and its limbs bend and twist as
 /// they should. At last all constants are scaled so that the measured Young's modulus equals the requested
 /// one (stiffnessPerModulus); plates of one or two cells, whose modulus differs with the direction, bend as
-/// they should instead. A bar with two cells across bends within 15 % of beam theory and
-/// mostly twists within 15 %; the worst that is known, 10 : 1 with 332 points, is 1.4 times too stiff in
-/// torsion. Mass fractions follow the volume of the tetrahedra, with a minimum of 0.2 of the mean. The render
-/// surface is the mesh with a skin. Concave surfaces are followed to about half a spacing. Takes 1 to 3 s for
-/// 300 points, half a minute for 6 000. Errors: those of weld(); a mesh that is not closed (with the number
-/// of its open edges; wrap() or cook() help) or encloses no volume; a component that is too thin for the
-/// lattice; sizes out of range; progress that returned false.
+/// they should instead. A bar with two cells across bends within 13 % of beam theory, and
+/// mostly twists within 20 %: of nine bars from 3 : 1 to 20 : 1 two are 1.3 and 1.4 times too stiff in
+/// torsion (8 : 1 of 250 points, 10 : 1 of 300). Mass fractions follow the volume of the tetrahedra, with a
+/// minimum of 0.2 of the mean. The render surface is the mesh with a skin. Concave surfaces are followed to
+/// about half a spacing. Takes 1 to 3 s for 300 points, half a minute for 6 000. Errors: those of weld(); a
+/// mesh that is not closed (with the number of its open edges; wrap() or cook() help) or encloses no volume;
+/// a component that is too thin for the lattice; sizes out of range; progress that returned false.
 LIMBER_API Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh,
                                                       const MaterialMesh& settings = {});
 

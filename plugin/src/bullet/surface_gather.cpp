@@ -297,6 +297,20 @@ ContactPoint pointB(const SurfaceCandidate& m, const SurfaceContact& c, TickCont
   return p;
 }
 
+/// Returns the largest relative displacement (m) in the tick by the predicted motion. Only if it makes the
+/// contacts invalid, the turn that both surfaces have in common is looked for.
+double predictedDisplacement(const SurfaceCandidate& m) {
+  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
+  const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
+  const double still = longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common);
+  const double features = featureSizeOf(m);
+  if (!(still > searchDistanceOf(m) * features)) return still;
+  const SurfaceMotion motionA = fittedMotion(*a.position, *a.motion),
+                      motionB = fittedMotion(*b.position, *b.motion);
+  const MotionFrame frame = calmestFrame(motionA, motionB, features);
+  return std::min(still, relativeMotion(motionA, motionB, frame).speed(features));
+}
+
 /// Adds a candidate and its contacts to `found`.
 void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contacts, double tick,
                   SurfaceSearch& s, TickContacts& found) {
@@ -305,6 +319,7 @@ void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contact
               [&](const SurfaceContact& c) { return pointB(m, c, found); });
   m.end = static_cast<std::uint32_t>(found.contacts.size());
   if ((m.partner && !isFree(*m.partner)) || (m.other && m.other->asleep)) return;
+  m.displacement = predictedDisplacement(m);
   if (m.end == m.first && (keepsStepper(m) || !mayTouch(m, tick, s))) {
     if (!m.held && !isSelf(m) && areSearchedWithinTick(m)) found.waiting.push_back(m);
     return;
@@ -379,24 +394,10 @@ void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts&
 
 // --- within a step -----------------------------------------------------------------------------------------
 
-/// Returns the largest relative displacement (m) in the tick by the predicted motion. Only if it makes the
-/// contacts invalid, the turn that both surfaces have in common is looked for.
-double predictedDisplacement(const SurfaceCandidate& m) {
-  const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
-  const Vector3d common = 0.5 * (a.motion->rowwise().mean() + b.motion->rowwise().mean());
-  const double still = longestDisplacement(*a.motion, common) + longestDisplacement(*b.motion, common);
-  const double features = featureSizeOf(m);
-  if (!(still > searchDistanceOf(m) * features)) return still;
-  const SurfaceMotion motionA = fittedMotion(*a.position, *a.motion),
-                      motionB = fittedMotion(*b.position, *b.motion);
-  const MotionFrame frame = calmestFrame(motionA, motionB, features);
-  return std::min(still, relativeMotion(motionA, motionB, frame).speed(features));
-}
-
 /// Returns the largest relative displacement (m) in the tick, by the predicted motion and by hits on static
 /// and kinematic objects.
 double ownDisplacement(const SurfaceCandidate& m) {
-  return predictedDisplacement(m) + m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
+  return m.displacement + m.body->surface.impact + (m.other ? m.other->surface.impact : 0.0);
 }
 
 }  // namespace

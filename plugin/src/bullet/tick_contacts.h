@@ -85,6 +85,7 @@ struct SurfaceCandidate {
   const btCollisionObject* held = nullptr;  ///< on side b, if it is static or kinematic
   RigidPart* part = nullptr;                ///< of `partner` or `held`
   std::uint32_t first = 0, end = 0;         ///< range of its contacts
+  double displacement = 0.0;                ///< m, largest relative one in the tick by the predicted motion
   double stopped = 0.0;  ///< m in the tick, common motion that hits of other bodies may stop
 };
 
