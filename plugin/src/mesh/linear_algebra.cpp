@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/SparseCholesky>
+#include <Eigen/OrderingMethods>
 
 #include <algorithm>
 #include <cmath>
@@ -110,18 +110,183 @@ Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index c
 
 // --- sparse matrices ---------------------------------------------------------------------------------------
 
-SparseFactor factorise(const Eigen::SparseMatrix<double>& matrix) {
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(matrix);
-  SparseFactor factor;
-  factor.isComplete = cholesky.info() == Eigen::Success;
-  factor.place = cholesky.permutationP().indices();
-  if (factor.isComplete) {
-    factor.lower = cholesky.matrixL().nestedExpression();
-    factor.diagonal = cholesky.vectorD();
-  } else {
-    factor.lower.resize(matrix.rows(), matrix.cols());
-    factor.diagonal.setZero(matrix.rows());
+// Columns of L next to each other with the same rows below them are a supernode. They are eliminated together
+// in a dense matrix, their front: the sum of their entries of A and of what the supernodes before them leave
+// (the multifrontal method: I. Duff, J. Reid, The Multifrontal Solution of Indefinite Sparse Symmetric Linear
+// Equations, 1983). Nearly all of the work is in products of dense matrices.
+
+namespace {
+
+using Index = Eigen::Index;
+using Sparse = Eigen::SparseMatrix<double>;
+using Indices = std::vector<int>;
+
+struct Supernode {
+  int first = 0, end = 0;         ///< its columns
+  Indices rows;                   ///< of its front, ascending: its own columns, then the rows below them
+  std::vector<std::size_t> from;  ///< the supernodes whose rest is a part of its front
+  Eigen::MatrixXd rest;           ///< what it leaves for the rows below, until that is taken
+
+  Index width() const { return end - first; }
+  Index height() const { return static_cast<Index>(rows.size()); }
+};
+
+/// Returns the place of each row in an order that keeps L sparse (approximate minimum degree: Amestoy, Davis,
+/// Duff 1996).
+Eigen::VectorXi sparseOrder(const Sparse& matrix) {
+  const Sparse both = matrix.selfadjointView<Eigen::Lower>();
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(both, order);
+  return order.inverse().eval().indices();
+}
+
+/// Returns the lower triangle of  P A P^T.
+Sparse reordered(const Sparse& matrix, const Eigen::VectorXi& place) {
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(matrix.nonZeros()));
+  for (Index j = 0; j < matrix.cols(); ++j)
+    for (Sparse::InnerIterator entry(matrix, j); entry; ++entry)
+      if (entry.row() >= j) {
+        const auto [low, high] = std::minmax(place[entry.row()], place[j]);
+        entries.emplace_back(high, low, entry.value());
+      }
+  Sparse result(matrix.rows(), matrix.cols());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+/// The first row below each column of L, which is its parent in the elimination tree (J. Liu, The Role of
+/// Elimination Trees in Sparse Factorization, 1990), and the number of those rows.
+struct EliminationTree {
+  Indices parent, below;
+};
+
+EliminationTree eliminationTree(const Sparse& lower) {
+  const Sparse rows = lower.transpose();
+  const auto size = static_cast<std::size_t>(lower.cols());
+  EliminationTree tree{Indices(size, -1), Indices(size, 0)};
+  Indices lastRow(size, -1);
+  for (int row = 0; row < lower.rows(); ++row)
+    for (Sparse::InnerIterator entry(rows, row); entry && entry.row() < row; ++entry)
+      for (auto j = std::size_t(entry.row()); int(j) != row && lastRow[j] != row;
+           j = std::size_t(tree.parent[j])) {
+        if (tree.parent[j] < 0) tree.parent[j] = row;
+        ++tree.below[j];
+        lastRow[j] = row;
+      }
+  return tree;
+}
+
+/// Returns the supernodes in the order of their columns, with the rows of their fronts.
+std::vector<Supernode> supernodesOf(const Sparse& lower) {
+  const EliminationTree tree = eliminationTree(lower);
+  std::vector<Supernode> nodes;
+  std::vector<std::size_t> nodeOf(static_cast<std::size_t>(lower.cols()));
+  for (std::size_t j = 0; j < nodeOf.size(); ++j) {
+    if (j == 0 || tree.parent[j - 1] != int(j) || tree.below[j - 1] != tree.below[j] + 1)
+      nodes.push_back({int(j), int(j), {}, {}, {}});
+    nodes.back().end = int(j) + 1;
+    nodeOf[j] = nodes.size() - 1;
   }
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    Supernode& node = nodes[n];
+    for (int j = node.first; j < node.end; ++j) {
+      node.rows.push_back(j);
+      for (Sparse::InnerIterator entry(lower, j); entry; ++entry) node.rows.push_back(int(entry.row()));
+    }
+    for (const std::size_t child : node.from)
+      node.rows.insert(node.rows.end(), nodes[child].rows.begin() + nodes[child].width(),
+                       nodes[child].rows.end());
+    std::sort(node.rows.begin(), node.rows.end());
+    node.rows.erase(std::unique(node.rows.begin(), node.rows.end()), node.rows.end());
+    if (node.height() > node.width())
+      nodes[nodeOf[std::size_t(node.rows[std::size_t(node.width())])]].from.push_back(n);
+  }
+  return nodes;
+}
+
+/// Returns the lower triangle of the front; all else is 0. `rowAt` is scratch: the place of a row in it.
+Eigen::MatrixXd assembled(Supernode& node, std::vector<Supernode>& nodes, const Sparse& lower,
+                          Indices& rowAt) {
+  for (std::size_t i = 0; i < node.rows.size(); ++i) rowAt[std::size_t(node.rows[i])] = int(i);
+  Eigen::MatrixXd front = Eigen::MatrixXd::Zero(node.height(), node.height());
+  for (int j = node.first; j < node.end; ++j)
+    for (Sparse::InnerIterator entry(lower, j); entry; ++entry)
+      front(rowAt[std::size_t(entry.row())], j - node.first) = entry.value();
+  for (const std::size_t from : node.from) {
+    Supernode& child = nodes[from];
+    const int* const rows = child.rows.data() + child.width();
+    for (Index j = 0; j < child.rest.cols(); ++j) {
+      double* const column = front.col(rowAt[std::size_t(rows[j])]).data();
+      for (Index i = j; i < child.rest.rows(); ++i) column[rowAt[std::size_t(rows[i])]] += child.rest(i, j);
+    }
+    child.rest.resize(0, 0);
+  }
+  return front;
+}
+
+/// Columns that are eliminated before all columns after them are updated at once, and columns of which one
+/// product updates the lower triangle.
+constexpr Index kPanel = 32, kUpdated = 64;
+
+/// Eliminates the first `width` columns of the front, which become those of  L D.
+void eliminate(Eigen::MatrixXd& front, Index width) {
+  const Index size = front.rows();
+  Eigen::MatrixXd scaled;  // the panel's columns of L
+  for (Index first = 0; first < width; first += kPanel) {
+    const Index end = std::min(first + kPanel, width);
+    for (Index k = first; k < end; ++k)
+      for (Index j = k + 1; j < end; ++j)
+        front.col(j).tail(size - j) -= front(j, k) / front(k, k) * front.col(k).tail(size - j);
+    scaled = front.block(end, first, size - end, end - first);
+    for (Index k = first; k < end; ++k) scaled.col(k - first) /= front(k, k);
+    for (Index j = end; j < size; j += kUpdated) {
+      const Index columns = std::min(kUpdated, size - j);
+      front.block(j, j, size - j, columns).noalias() -=
+          scaled.bottomRows(size - j) * front.block(j, first, columns, end - first).transpose();
+    }
+  }
+}
+
+/// Appends the front's first columns to those of the factor.
+void store(const Supernode& node, const Eigen::MatrixXd& front, SparseFactor& factor) {
+  for (Index k = 0; k < node.width(); ++k) {
+    const Index j = node.first + k, at = factor.lower.outerIndexPtr()[j], count = node.height() - k - 1;
+    factor.diagonal[j] = front(k, k);
+    std::copy_n(node.rows.begin() + k + 1, count, factor.lower.innerIndexPtr() + at);
+    for (Index i = 0; i < count; ++i) factor.lower.valuePtr()[at + i] = front(k + 1 + i, k) / front(k, k);
+  }
+}
+
+void reserve(SparseFactor& factor, const std::vector<Supernode>& nodes, Index size) {
+  factor.lower.resize(size, size);
+  factor.diagonal.setZero(size);
+  Index entries = 0;
+  for (const Supernode& node : nodes)
+    for (Index k = 0; k < node.width(); ++k) {
+      entries += node.height() - k - 1;
+      factor.lower.outerIndexPtr()[node.first + k + 1] = static_cast<int>(entries);
+    }
+  factor.lower.resizeNonZeros(entries);
+}
+
+}  // namespace
+
+SparseFactor factorise(const Sparse& matrix) {
+  SparseFactor factor;
+  factor.place = sparseOrder(matrix);
+  const Sparse lower = reordered(matrix, factor.place);
+  std::vector<Supernode> nodes = supernodesOf(lower);
+  reserve(factor, nodes, matrix.rows());
+  Indices rowAt(static_cast<std::size_t>(matrix.rows()));
+  for (Supernode& node : nodes) {
+    Eigen::MatrixXd front = assembled(node, nodes, lower, rowAt);
+    eliminate(front, node.width());
+    store(node, front, factor);
+    const Index below = node.height() - node.width();
+    node.rest = front.bottomRightCorner(below, below);
+  }
+  factor.isComplete = (factor.diagonal.array() != 0.0).all();
   return factor;
 }
 
