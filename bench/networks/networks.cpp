@@ -191,7 +191,7 @@ constexpr int kTimedTicks = 2 * 60;  // they fall and bounce; no body sleeps yet
 std::string fileOf(const std::string& name) { return LIMBER_MESH_DIR "/" + name + ".obj"; }
 
 std::string formOf(const CookedMesh& cooked) {
-  const SpringNetwork& network = *cooked.bodies.front().network;
+  const SpringNetwork& network = *cooked.bodies.front();
   std::string form = network.kind == NetworkKind::Solid  ? "solid"
                      : network.kind == NetworkKind::Rope ? "rope"
                                                          : "cloth";
@@ -251,10 +251,10 @@ void drop(const std::string& file, const SpringNetwork& largest, const Subject& 
 
 void addCounts(const CookedMesh& cooked, const Subject& subject, Results& results) {
   double points = 0.0, springs = 0.0, tetrahedra = 0.0;
-  for (const CookedBody& body : cooked.bodies) {
-    points += static_cast<double>(body.network->restPoints.size());
-    springs += static_cast<double>(body.network->springs.size());
-    tetrahedra += static_cast<double>(body.network->tetrahedra.size());
+  for (const SharedNetwork& body : cooked.bodies) {
+    points += static_cast<double>(body->restPoints.size());
+    springs += static_cast<double>(body->springs.size());
+    tetrahedra += static_cast<double>(body->tetrahedra.size());
   }
   results.add(subject, "bodies", "", static_cast<double>(cooked.bodies.size()));
   results.add(subject, "points", "", points);
@@ -275,7 +275,7 @@ void measureModel(const std::string& name, std::uint32_t runs, Results& results)
   addCounts(*cooked, subject, results);
   results.add(subject, "cooking", "s", seconds);
   results.add(subject, "memory so far", "MB", peakMegabytes());
-  const SpringNetwork& largest = *cooked->bodies.front().network;
+  const SpringNetwork& largest = *cooked->bodies.front();
   if (largest.kind == NetworkKind::Solid) addReturns(subject, returnsOf(largest, runs), results);
   drop(fileOf(name), largest, subject, results);
 }

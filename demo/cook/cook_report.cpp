@@ -48,9 +48,18 @@ std::string springText(const CookReport& r) {
   return join(kinds) + format("; %.2f braces per point", bracesPerPoint(r.analysis));
 }
 
+/// What a material needs to know; empty: nothing is known.
 std::string materialText(const SpringNetwork& network) {
-  return counted(network.tetrahedra.size(), "tetrahedron", "tetrahedra") +
-         format(", springs of %.4g N/m for a Young's modulus of 1 Pa", network.stiffnessPerModulus);
+  std::vector<std::string> parts;
+  if (!network.tetrahedra.empty())
+    parts.push_back(
+        counted(network.tetrahedra.size(), "tetrahedron", "tetrahedra") +
+        format(", springs of %.4g N/m for a Young's modulus of 1 Pa", network.stiffnessPerModulus));
+  if (network.thickness > 0.0)
+    parts.push_back(
+        format("%.3g m %s", network.thickness, network.kind == NetworkKind::Rope ? "in diameter" : "thick"));
+  if (network.volume > 0.0) parts.push_back(format("%.4g m^3", network.volume));
+  return join(parts);
 }
 
 std::string drawnText(const RenderSurface& render) {
@@ -73,7 +82,8 @@ std::string reportText(const CookReport& r) {
   for (const std::string& choice : r.choices) text += choice + "\n";
   text += row("body", bodyText(r));
   text += row("springs", springText(r));
-  if (!r.network->tetrahedra.empty()) text += row("material", materialText(*r.network));
+  if (const std::string material = materialText(*r.network); !material.empty())
+    text += row("material", material);
   text += row("drawn", drawnText(r.network->render));
   return text + describe(r.analysis);
 }
@@ -116,6 +126,8 @@ Json networkJson(const CookReport& r) {
           {"surfaceTriangles", network.surface.size()},
           {"tetrahedra", network.tetrahedra.size()},
           {"stiffnessPerModulus", network.stiffnessPerModulus},
+          {"thickness", network.thickness},
+          {"volume", network.volume},
           {"renderVertices", network.render.vertexToPoint.size()},
           {"renderTriangles", network.render.triangles.size()},
           {"skin", skinJson(network.render.skin)}};

@@ -109,11 +109,11 @@ std::string fileOfBody(const std::string& file, std::size_t body) {
 std::string makeBodies(const CookOptions& options, CookReport& report) {
   Result<CookedMesh> cooked = scenes::readBodies(options.meshFile, *options.automatic, {});
   if (!cooked) return cooked.error();
-  report.network = cooked->bodies.front().network;
+  report.network = cooked->bodies.front();
   report.choices.assign(cooked->report.begin(), cooked->report.end());
   for (std::size_t i = 0; i < cooked->bodies.size(); ++i) {
     const std::string file = fileOfBody(options.bodyFile, i);
-    if (Result<void> saved = saveNetwork(*cooked->bodies[i].network, file); !saved) return saved.error();
+    if (Result<void> saved = saveNetwork(*cooked->bodies[i], file); !saved) return saved.error();
     if (i > 0) report.choices.push_back("piece: " + file);
   }
   return {};

@@ -53,9 +53,9 @@ constexpr double kScattered = 0.1;
 DroppedMesh measure(CookedMesh cooked, const std::optional<double>& scale) {
   Eigen::AlignedBox3d box;
   double largest = 0.0;
-  for (const CookedBody& body : cooked.bodies) {
-    for (const Eigen::Vector3d& p : body.network->restPoints) box.extend(p);
-    largest = std::max(largest, sizeOf(body.network->restPoints));
+  for (const SharedNetwork& body : cooked.bodies) {
+    for (const Eigen::Vector3d& p : body->restPoints) box.extend(p);
+    largest = std::max(largest, sizeOf(body->restPoints));
   }
   const double extent = box.sizes().maxCoeff();
   DroppedMesh mesh;
@@ -70,9 +70,9 @@ DroppedMesh measure(CookedMesh cooked, const std::optional<double>& scale) {
 /// Returns as many copies as a scene can show soon: nine of usual bodies.
 std::uint32_t usualCount(const CookedMesh& cooked) {
   std::size_t points = 1, vertices = 1;
-  for (const CookedBody& body : cooked.bodies) {
-    points += body.network->restPoints.size();
-    vertices += body.network->render.skin.size();
+  for (const SharedNetwork& body : cooked.bodies) {
+    points += body->restPoints.size();
+    vertices += body->render.skin.size();
   }
   const std::size_t fitting = std::min(kMaxScenePoints / points, kMaxSceneVertices / vertices);
   const std::size_t byBodies = 2 * kUsualCount / cooked.bodies.size();
@@ -82,10 +82,10 @@ std::uint32_t usualCount(const CookedMesh& cooked) {
 
 Result<std::vector<SoftBodySettings>> settingsOf(const DroppedMesh& mesh, const SceneOptions& options) {
   std::vector<SoftBodySettings> all;
-  for (const CookedBody& body : mesh.cooked.bodies) {
+  for (const SharedNetwork& body : mesh.cooked.bodies) {
     SoftBodySettings settings;
     settings.scale.setConstant(mesh.scale);
-    Result<SoftBodySettings> made = withMaterial(body, materialOf(options.feel), settings);
+    Result<SoftBodySettings> made = withMaterial(*body, materialOf(options.feel), settings);
     if (!made) return Error{made.error()};
     apply(options, *made);
     all.push_back(std::move(*made));
@@ -106,7 +106,7 @@ std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions
     BodyLook look;
     look.colour = variedColour(index + index / gridColumns(grid.count) * 3, random);
     for (std::size_t b = 0; b < mesh.cooked.bodies.size(); ++b) {
-      const SharedNetwork& network = mesh.cooked.bodies[b].network;
+      const SharedNetwork& network = mesh.cooked.bodies[b];
       (*settings)[b].position = placement.centre - placement.rotation * mesh.middle;
       (*settings)[b].rotation = placement.rotation;
       if (options.feel == Feel::Jelly) look.finish = Finish::Jelly;

@@ -107,7 +107,7 @@ double usualBend(const SpringNetwork& network) {
 namespace {
 
 /// To be raised when cook() makes other bodies of the same mesh.
-constexpr int kCookVersion = 5;
+constexpr int kCookVersion = 6;
 
 /// FNV-1a (G. Fowler, L. Noll, K.-P. Vo), 64 bits.
 class Hash {
@@ -159,11 +159,10 @@ void keep(const CookedMesh& cooked, const std::string& base) {
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(base).parent_path(), error);
   for (std::size_t i = 0; i < cooked.bodies.size(); ++i)
-    if (!saveNetwork(*cooked.bodies[i].network, bodyFile(base, i))) return;
+    if (!saveNetwork(*cooked.bodies[i], bodyFile(base, i))) return;
   std::ostringstream out;
   out.precision(17);
   out << cooked.bodies.size() << ' ' << cooked.scale << '\n';
-  for (const CookedBody& body : cooked.bodies) out << body.thickness << ' ' << body.volume << '\n';
   for (const std::string& line : cooked.report) out << line << '\n';
   static_cast<void>(demo::writeText(base + ".txt", out.str()));  // without a cache the next run cooks again
 }
@@ -175,12 +174,9 @@ Result<CookedMesh> load(const std::string& base) {
   CookedMesh cooked;
   if (!(in >> count >> cooked.scale) || count == 0 || count > 1000) return Error{"not cached"};
   for (std::size_t i = 0; i < count; ++i) {
-    CookedBody body;
-    if (!(in >> body.thickness >> body.volume)) return Error{"damaged"};
     Result<SharedNetwork> network = loadNetwork(bodyFile(base, i));
     if (!network) return Error{network.error()};
-    body.network = std::move(*network);
-    cooked.bodies.push_back(std::move(body));
+    cooked.bodies.push_back(std::move(*network));
   }
   in.ignore();
   for (std::string& line : cooked.report)
@@ -192,7 +188,7 @@ Result<CookedMesh> bodiesOf(SharedNetwork network, const std::string& file) {
   CookedMesh cooked;
   cooked.report[0] = "body: " + file + ", " + std::to_string(network->restPoints.size()) + " points, " +
                      std::to_string(network->springs.size()) + " springs";
-  cooked.bodies.push_back({std::move(network), 0.0, 0.0});
+  cooked.bodies.push_back(std::move(network));
   return cooked;
 }
 

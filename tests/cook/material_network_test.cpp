@@ -134,7 +134,7 @@ TEST(MaterialNetwork, hasTheCentreAndNearlyTheInertiaOfTheSolid) {
 TEST(MaterialNetwork, givesMassToThePointsThatLimitTheTimeStep) {
   const Result<CookedMesh> cooked = cook(test_shapes::figure());
   ASSERT_TRUE(cooked) << cooked.error();
-  const SpringNetwork& network = *cooked->bodies[0].network;
+  const SpringNetwork& network = *cooked->bodies[0];
   SpringNetwork quarters = network;
   quarters.massFractions.assign(network.restPoints.size(), 0.0);
   for (const Tetrahedron& t : network.tetrahedra)
@@ -278,7 +278,11 @@ TEST(MaterialNetwork, saysWhatItCannotDo) {
   material.density = -1.0;
   EXPECT_EQ(withMaterial(*network, material).error(), "density is -1, must be above 0");
   EXPECT_EQ(withMaterial(**buildRope(), {}).error(),
-            "the network has no tetrahedra to be of a material: make it with buildMaterialNetwork");
+            "the thickness of the rope is 0: a material needs it (SpringNetwork::thickness)");
+  EXPECT_EQ(withMaterial(**buildCloth(), {}).error(),
+            "the thickness of the cloth is 0: a material needs it (SpringNetwork::thickness)");
+  EXPECT_EQ(withMaterial(**buildNetwork(small_meshes::singleTriangle()), {}).error(),
+            "the surface of the network is open: a material needs its volume");
 }
 
 }  // namespace

@@ -118,6 +118,18 @@ TEST(Analyse, ropesAreJudgedAlongTheirLine) {
   EXPECT_TRUE(hasRemark(parts, "2 pieces that no spring joins"));
 }
 
+TEST(Analyse, aCurvedRopeFoldsAndIsNotJudgedAsASolid) {
+  SpringNetwork rope = *network_shapes::rope20();
+  for (Eigen::Vector3d& p : rope.restPoints) p += Eigen::Vector3d(0.0, std::cos(p.x()), std::sin(p.x()));
+  const NetworkAnalysis curved = analyse(rope);
+  EXPECT_EQ(curved.kind, NetworkKind::Solid) << "by its shape";
+  EXPECT_TRUE(curved.folds);
+  EXPECT_EQ(curved.allReturns().runs, 0u);
+  EXPECT_FALSE(curved.standingStiffness);
+  EXPECT_TRUE(curved.remarks.empty()) << curved.remarks.front();
+  EXPECT_EQ(describe(curved).rfind("curved: 20 points", 0), 0u) << describe(curved);
+}
+
 TEST(Analyse, nearlyFlatIsFlat) {
   SpringNetwork cloth = *bare(network_shapes::cloth100());
   limber::Random random(1);

@@ -50,6 +50,8 @@ void expectSameReport(const MeshReport& a, const MeshReport& b) {
 void expectSame(const SpringNetwork& a, const SpringNetwork& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.stiffnessPerModulus, b.stiffnessPerModulus);
+  EXPECT_EQ(a.thickness, b.thickness);
+  EXPECT_EQ(a.volume, b.volume);
   expectSameBits(a.restPoints, b.restPoints);
   expectSameBits(a.massFractions, b.massFractions);
   expectSameSprings(a, b);
@@ -107,6 +109,20 @@ TEST(NetworkFile, goldenFileOfVersionOne) {
   ASSERT_TRUE(network) << network.error();
   expectSame(**network, test::everyMemberNetwork());
   EXPECT_EQ(toBytes(**network), readBytes(file));
+}
+
+// files of version 3 too, which have a thickness or a volume
+TEST(NetworkFile, goldenFileOfVersionThree) {
+  SpringNetwork network = test::everyMemberNetwork();
+  network.groups = {{"seam", {1, 3}, {0, 2}}};
+  network.thickness = 0.3;
+  network.volume = 0.1;
+  const std::string file = LIMBER_GOLDEN_DIR "/version-3.limber";
+  const Result<SharedNetwork> read = loadNetwork(file);
+  ASSERT_TRUE(read) << read.error();
+  expectSame(**read, network);
+  EXPECT_EQ((*read)->groups[0].name, "seam");
+  EXPECT_EQ(toBytes(network), readBytes(file));
 }
 
 TEST(NetworkFile, headerIsLittleEndian) {
@@ -174,10 +190,10 @@ TEST(NetworkFile, foreignFilesAreRefused) {
 
 TEST(NetworkFile, otherVersionsAreRefused) {
   Bytes bytes = toBytes(test::everyMemberNetwork());
-  for (const std::uint8_t version : {std::uint8_t{0}, std::uint8_t{3}}) {
+  for (const std::uint8_t version : {std::uint8_t{0}, std::uint8_t{4}}) {
     bytes[8] = version;
     EXPECT_EQ(parse(bytes).error(), "a .limber file of version " + std::to_string(version) +
-                                        ", this library reads versions 1 to 2");
+                                        ", this library reads versions 1 to 3");
   }
 }
 

@@ -183,7 +183,7 @@ TEST(ReturnRate, ofCookedThinLimbsIsPerfect) {
     const Result<CookedMesh> cooked = cook(mesh);
     ASSERT_TRUE(cooked) << cooked.error();
     for (const Deformation kind : kKinds)
-      EXPECT_EQ(measureReturns(*cooked->bodies[0].network, kind, 2, 1).returned, 2u);
+      EXPECT_EQ(measureReturns(*cooked->bodies[0], kind, 2, 1).returned, 2u);
   }
 }
 

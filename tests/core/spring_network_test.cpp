@@ -169,10 +169,15 @@ TEST(SpringNetwork, tetrahedra) {
   EXPECT_EQ(validateTetrahedron({0, 1, 1, 3}), "tetrahedron 1 has a volume that is not above 0");
 }
 
-TEST(SpringNetwork, stiffnessPerModulus) {
-  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.stiffnessPerModulus = 0.2; }), "");
-  for (const double stiffness : {-1.0, std::nan(""), HUGE_VAL}) {
-    EXPECT_EQ(validateChanged([&](SpringNetwork& n) { n.stiffnessPerModulus = stiffness; }),
+TEST(SpringNetwork, stiffnessPerModulusThicknessAndVolume) {
+  EXPECT_EQ(validateChanged([](SpringNetwork& n) { n.stiffnessPerModulus = n.thickness = n.volume = 0.2; }),
+            "");
+  for (const double value : {-1.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_EQ(validateChanged([&](SpringNetwork& n) { n.stiffnessPerModulus = value; }),
               "the stiffness per modulus is not a finite number of 0 or more");
+    EXPECT_EQ(validateChanged([&](SpringNetwork& n) { n.thickness = value; }),
+              "the thickness is not a finite number of 0 or more");
+    EXPECT_EQ(validateChanged([&](SpringNetwork& n) { n.volume = value; }),
+              "the volume is not a finite number of 0 or more");
   }
 }

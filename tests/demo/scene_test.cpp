@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
+#include "import/temporary_folder.h"
 #include "scenes/arrangement.h"
 #include "scenes/networks.h"
 #include "scenes/scene_list.h"
+
+#include <limber/network_builder.h>
 
 #include <gtest/gtest.h>
 
@@ -69,6 +72,29 @@ TEST(Scenes, meshIsMadeOneMetreLargeUnlessScaled) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : (*fitted)->soft->body(0)->network().restPoints) box.extend(p);
   EXPECT_NEAR(box.sizes().maxCoeff() * (*fitted)->soft->body(0)->settings().scale.x(), 1.0, 1e-12);
+}
+
+/// A .limber file has all that the material of a rope or a sheet needs.
+TEST(Scenes, cookedRopesAndSheetsAreDropped) {
+  const TemporaryFolder folder;
+  SceneOptions options;
+  options.count = 1;
+  options.meshFile = folder.path() + "/body.limber";
+  RopeSettings settings;
+  settings.length = 2.0;
+  SpringNetwork rope = **buildRope(settings);
+  rope.thickness = 0.02;
+  SpringNetwork sheet = **buildCloth();
+  sheet.thickness = 0.005;
+  for (const SpringNetwork& network : {rope, sheet}) {
+    ASSERT_EQ(saveNetwork(network, options.meshFile).error(), "");
+    const SceneResult scene = createMeshDrop(options);
+    ASSERT_TRUE(scene) << scene.error();
+    const SoftBodySettings& made = (*scene)->soft->body(0)->settings();
+    const bool isRope = network.kind == NetworkKind::Rope;  // the rope of 2 m becomes one of 1 m
+    EXPECT_NEAR(made.totalMass, 1100.0 * (isRope ? 1e-4 * 0.78539816 : 0.005), 1e-6);
+    EXPECT_NEAR(*made.pointRadius, isRope ? 0.005 : 0.0025, 1e-12);
+  }
 }
 
 TEST(Scenes, missingMeshIsNamed) {

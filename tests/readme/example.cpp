@@ -21,9 +21,9 @@ int main() {
   if (!cooked) return std::puts(cooked.error().c_str()), 1;
   limber::SoftBodySettings settings;
   settings.position = {0, 2, 0};  // m
-  auto rubber = limber::withMaterial(cooked->bodies[0], limber::Material::rubber(), settings);
+  auto rubber = limber::withMaterial(*cooked->bodies[0], limber::Material::rubber(), settings);
   if (!rubber) return std::puts(rubber.error().c_str()), 1;
-  auto body = soft.createBody(cooked->bodies[0].network, *rubber);
+  auto body = soft.createBody(cooked->bodies[0], *rubber);
   if (!body) return std::puts(body.error().c_str()), 1;
 
   // Step as ever; point masses are ordinary rigid bodies.

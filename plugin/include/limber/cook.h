@@ -46,17 +46,11 @@ struct CookSettings {
   Progress progress;        ///< may be empty; false ends with an error
 };
 
-/// The shape of a body. Rest points of all bodies of a mesh are relative to the origin of the resized mesh.
-struct CookedBody {
-  SharedNetwork network;
-  double thickness = 0.0;  ///< m: of a sheet, or the diameter of a rope, round and with the volume of a
-                           ///< closed tube; 0: a solid
-  double volume = 0.0;     ///< m^3 inside the mesh, which gives the mass; 0: that of the network, because the
-                           ///< mesh is not one closed surface or thin parts are thickened
-};
-
 struct CookedMesh {
-  std::vector<CookedBody> bodies;     ///< the largest first, at least one
+  /// The largest first, at least one. Their rest points are relative to the origin of the resized mesh.
+  /// Sheets have a thickness, and ropes: the diameter, round and with the volume of a closed tube. Solids
+  /// have the volume inside the mesh, unless it is not one closed surface or thin parts are thickened.
+  std::vector<SharedNetwork> bodies;
   double scale = 1.0;                 ///< m per unit of the mesh
   std::array<std::string, 3> report;  ///< the mesh, the bodies, the drawing: what was chosen, and why
 };
@@ -74,15 +68,5 @@ struct CookedMesh {
 /// Deterministic. Takes seconds for 50 000 vertices. Errors: those of weld(), wrap() and of the builders;
 /// settings out of range; progress that returned false.
 LIMBER_API Result<CookedMesh> cook(const TriangleMesh& mesh, const CookSettings& settings = {});
-
-/// Returns the settings of a cooked body of this material: as withMaterial() for networks of tetrahedra, with
-/// the mass of the mesh's volume, of which tetrahedra fill a few percent more or less. For
-/// braces, spring constants follow from  E = sum k L^2 / (6 V)  with the volume V, the modulus of a random
-/// isotropic network; for sheets from  E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is
-/// exact for a lattice of equilateral triangles, and up to a half too stiff for stretched cells; for ropes
-/// from  E A = sum k l^2 / L  with the section A and the length L. Errors: no network; those of
-/// withMaterial().
-LIMBER_API Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
-                                                 SoftBodySettings settings = {});
 
 }  // namespace limber

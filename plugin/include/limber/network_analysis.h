@@ -49,6 +49,7 @@ struct AnalysisSettings {
 /// Properties of a network that can be computed before it is used. SI units.
 struct NetworkAnalysis {
   NetworkKind kind = NetworkKind::Solid;  ///< by shape: all points on a line, in a plane, or neither
+  bool folds = false;  ///< a rope, a cloth, or flat: it has no shape to return to or to stand in
   std::size_t points = 0, springs = 0, braces = 0;
   std::size_t pieces = 0;   ///< parts that no spring connects
   bool endedEarly = false;  ///< settings.progress returned false: results that were not computed have their
@@ -69,20 +70,19 @@ struct NetworkAnalysis {
   bool globallyRigid = false;  ///< generically: Gortler, Healy, Thurston 2010, by the rank of a random stress
   bool globallyRigidKnown = false;  ///< false if the network has too many points for the test
 
-  // Large deformations. Only for solids: ropes and cloths are meant to fold.
+  // Large deformations. None if it folds.
   std::array<ReturnRate, kDeformations> returns;
   LIMBER_API ReturnRate allReturns() const;  ///< sum of the first five kinds
 
-  std::optional<double>
-      standingStiffness;          ///< N/m of a spring of stiffnessScale 1. With it the body, or its
-                                  ///< weakest piece, keeps 90 % of its height when it is set down on
-                                  ///< a floor as modelled; with less it sinks, topples or leans over.
-                                  ///< A body that falls over before it has sunk so far stands higher
-                                  ///< with it. 0 without gravity, infinite where no stiffness is
-                                  ///< enough; none for ropes and cloths, and where some springs are
-                                  ///< so stiff that it cannot be computed (remarks say so)
-  double criticalTimeStep = 0.0;  ///< s: velocity Verlet without damping is unstable above it
-  double safeTimeStep = 0.0;      ///< s: stable at any deformation (Gershgorin)
+  std::optional<double> standingStiffness;  ///< N/m of a spring of stiffnessScale 1. With it the body, or its
+                                            ///< weakest piece, keeps 90 % of its height when it is set down
+                                            ///< on a floor as modelled; with less it sinks, topples or leans
+                                            ///< over. A body that falls over before it has sunk so far stands
+                                            ///< higher with it. 0 without gravity, infinite where no
+                                            ///< stiffness is enough; none if it folds, and where some springs
+                                            ///< are so stiff that it cannot be computed (remarks say so)
+  double criticalTimeStep = 0.0;            ///< s: velocity Verlet without damping is unstable above it
+  double safeTimeStep = 0.0;                ///< s: stable at any deformation (Gershgorin)
 
   std::size_t springsOutside = 0;  ///< springs that leave the closed surface
   std::size_t piercingEdges = 0;   ///< edges of the surface that pass through one of its triangles

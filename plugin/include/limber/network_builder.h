@@ -151,9 +151,17 @@ LIMBER_API Result<void> validate(const Material& material);
 
 /// Returns the settings of a body of this material: spring constants, volume modulus, and the total mass at
 /// the scale in `settings`, and the damping if the material has one. All other values are those of
-/// `settings`. Modulus and ratio hold for small deformations. They are measured on the network with a few
-/// linear solves, which take seconds for 5 000 points. Errors: a network that was not made by
-/// buildMaterialNetwork; a value out of range.
+/// `settings`. The mass is that of SpringNetwork::volume, if it has one.
+/// - Networks of tetrahedra: modulus and ratio hold for small deformations. They are measured on the network
+///   with a few linear solves, which take a second for 5 000 points.
+/// - Other solids: E = sum k L^2 / (6 V)  with the volume V, the modulus of a random isotropic network. They,
+///   sheets and ropes have a Poisson ratio of their own.
+/// - Sheets: E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is exact for a lattice of
+///   equilateral triangles, and up to a half too stiff for stretched cells.
+/// - Ropes: E A = sum k l^2 / L  with the section A and the length L. Ropes and sheets also get a point
+/// radius
+///   of half their thickness, if `settings` have none.
+/// Errors: a rope or sheet without a thickness, a solid that is open; a value out of range.
 LIMBER_API Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
                                                  SoftBodySettings settings = {});
 

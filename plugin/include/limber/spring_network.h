@@ -78,9 +78,13 @@ struct SpringNetwork {
   std::vector<Tetrahedron> tetrahedra;      ///< #tetrahedra that fill the body in material mode, or empty
   double stiffnessPerModulus = 0.0;  ///< m; in material mode the required spring constant (N/m) per Pa of
                                      ///< Young's modulus (network_builder.h), else 0
-  RenderSurface render;              ///< empty for ropes
-  std::vector<NamedGroup> groups;    ///< #groups, in any order
-  MeshReport report;                 ///< from welding; zeros for ropes and cloths
+  double thickness = 0.0;  ///< m, 0 or more: of a sheet, or the diameter of a rope, for its material; 0:
+                           ///< unknown, or a solid
+  double volume = 0.0;  ///< m^3, 0 or more: of the solid that the network stands for, for its mass; 0: as its
+                        ///< tetrahedra, or as its surface encloses
+  RenderSurface render;            ///< empty for ropes
+  std::vector<NamedGroup> groups;  ///< #groups, in any order
+  MeshReport report;               ///< from welding; zeros for ropes and cloths
 };
 
 using SharedNetwork = std::shared_ptr<const SpringNetwork>;

@@ -165,7 +165,6 @@ Progress stickyProgress(const AnalysisSettings& settings, bool& ended) {
 
 void analyseStages(const SpringNetwork& network, const AnalysisSettings& settings, NetworkAnalysis& a) {
   const Progress goOn = stickyProgress(settings, a.endedEarly);
-  const bool solid = a.kind == NetworkKind::Solid;
   if (goOn("small deformations", 0.0)) analyseSmallDeformations(network, a);
   if (goOn("global rigidity", 0.0)) analyseGlobalRigidity(network, goOn, a);
   if (goOn("time steps", 0.0)) {
@@ -173,9 +172,9 @@ void analyseStages(const SpringNetwork& network, const AnalysisSettings& setting
     a.criticalTimeStep = steps.critical;
     a.safeTimeStep = steps.safe;
   }
-  if (solid && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
-  if (solid && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
-  if (solid && !a.endedEarly)
+  if (!a.folds && isClosed(network) && goOn("springs outside", 0.0)) analyseInside(network, a);
+  if (!a.folds && !a.endedEarly) analyseLargeDeformations(network, settings, goOn, a);
+  if (!a.folds && !a.endedEarly)
     a.standingStiffness = standingStiffness(network, bodySettings(settings), settings.gravity, goOn);
 }
 
@@ -299,10 +298,8 @@ std::vector<std::string> remarksOn(const SpringNetwork& network, const AnalysisS
     remarks.push_back("ended early: some results are missing");
     return remarks;
   }
-  if (analysis.kind != NetworkKind::Solid) {
-    remarkOnBending(network, analysis, remarks);
-    return remarks;
-  }
+  if (analysis.kind != NetworkKind::Solid) remarkOnBending(network, analysis, remarks);
+  if (analysis.folds) return remarks;
   remarkOnRigidity(analysis, remarks);
   remarkOnReturns(settings, analysis, remarks);
   remarkOnWeight(settings, analysis, remarks);
@@ -344,6 +341,7 @@ ReturnRate NetworkAnalysis::allReturns() const {
 NetworkAnalysis analyse(const SpringNetwork& network, const AnalysisSettings& settings) {
   NetworkAnalysis a;
   a.kind = kindOf(network.restPoints);
+  a.folds = a.kind != NetworkKind::Solid || network.kind != NetworkKind::Solid;
   a.points = network.restPoints.size();
   a.springs = network.springs.size();
   a.braces = static_cast<std::size_t>(
@@ -375,6 +373,7 @@ line(const char* format, ...) {
 
 // in the order of the enumerations
 constexpr std::array<const char*, 3> kKindNames{"on a line", "flat", "solid"};
+constexpr char kCurved[] = "curved";  // a rope or cloth that is neither
 constexpr std::array<const char*, 4> kRigidityNames{"flexible", "nearly flexible", "soft", "rigid"};
 
 const char* globalRigidity(const NetworkAnalysis& a) {
@@ -395,8 +394,10 @@ std::string returnLines(const NetworkAnalysis& a) {
 }  // namespace
 
 std::string describe(const NetworkAnalysis& a) {
-  std::string text = line("%s: %zu points, %zu springs, %zu of them braces",
-                          kKindNames[static_cast<std::size_t>(a.kind)], a.points, a.springs, a.braces);
+  const bool isCurved = a.folds && a.kind == NetworkKind::Solid;
+  std::string text =
+      line("%s: %zu points, %zu springs, %zu of them braces",
+           isCurved ? kCurved : kKindNames[static_cast<std::size_t>(a.kind)], a.points, a.springs, a.braces);
   if (a.mesh.triangles > 0) text += describe(a.mesh) + "\n";
   if (a.volume > 0.0) text += line("volume              %.4g m^3", a.volume);
   text += line("rigidity            %s: rank %zu, %zu mechanisms, %zu self-stresses",

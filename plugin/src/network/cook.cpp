@@ -451,12 +451,14 @@ SkinKind skinFor(const WeldedMesh& mesh, const CookSettings& settings) {
   return mesh.points.size() <= kMaxDenseVertices ? SkinKind::Dense : SkinKind::Sparse;
 }
 
-Result<CookedBody> cookSolid(Builder& builder, const Part& part) {
+Result<SharedNetwork> cookSolid(Builder& builder, const Part& part) {
   const std::size_t thickened = builder.choices.thickened;
   Result<SpringNetwork> network =
       builder.settings.mode == CookMode::Braces ? brace(builder, part) : fillWithSprings(builder, part);
   if (!network) return Error{network.error()};
   network->report = part.welded.report;  // not that of the wrapped surface
+  if (isOneSolid(part.welded.report) && builder.choices.thickened == thickened)
+    network->volume = std::abs(signedVolume(part.welded.points, part.welded.triangles));
   if (!builder.report("skin", 0.0)) return Error{kEnded};
   SkinSettings skin;
   skin.kind = skinFor(part.welded, builder.settings);
@@ -464,27 +466,23 @@ Result<CookedBody> cookSolid(Builder& builder, const Part& part) {
   if (!skinned) return Error{skinned.error()};
   if (!builder.report("skin", 1.0)) return Error{kEnded};
   ++builder.choices.solids;
-  const bool isExact = isOneSolid(part.welded.report) && builder.choices.thickened == thickened;
-  if (isExact)
-    return CookedBody{std::move(*skinned), 0.0,
-                      std::abs(signedVolume(part.welded.points, part.welded.triangles))};
-  if (part.welded.report.watertight()) {
+  if (network->volume == 0.0 && part.welded.report.watertight()) {
     builder.choices.volume += signedVolume((*skinned)->restPoints, (*skinned)->surface);
     builder.choices.meshVolume +=
         signedVolume(part.welded.points, facingOutward(part.welded.points, part.welded.triangles));
   }
-  return CookedBody{std::move(*skinned), 0.0, 0.0};
+  return skinned;
 }
 
-Result<CookedBody> cookPart(Builder& builder, const Part& part) {
+Result<SharedNetwork> cookPart(Builder& builder, const Part& part) {
   const std::size_t points = builder.settings.points > 0 ? builder.settings.points : std::size_t{0};
-  if (std::optional<CookedBody> rope = ropeOf(part.welded)) {
+  if (SharedNetwork rope = ropeOf(part.welded)) {
     ++builder.choices.ropes;
-    return std::move(*rope);
+    return rope;
   }
-  if (std::optional<CookedBody> sheet = sheetOf(part.mesh, part.welded, points)) {
+  if (SharedNetwork sheet = sheetOf(part.mesh, part.welded, points)) {
     ++builder.choices.sheets;
-    return std::move(*sheet);
+    return sheet;
   }
   return cookSolid(builder, part);
 }
@@ -524,13 +522,13 @@ std::string describeBodies(const Choices& c, std::size_t pieces, const CookSetti
   return text;
 }
 
-std::string describeDrawing(const std::vector<CookedBody>& bodies, const std::vector<Part>& parts,
+std::string describeDrawing(const std::vector<SharedNetwork>& bodies, const std::vector<Part>& parts,
                             const CookSettings& settings) {
   std::size_t dense = 0, sparse = 0, barycentric = 0, own = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::size_t vertices = parts[i].welded.points.size();
-    if (bodies[i].network->render.skin.size() == 0)
-      own += bodies[i].network->restPoints.size();
+    if (bodies[i]->render.skin.size() == 0)
+      own += bodies[i]->restPoints.size();
     else if (skinFor(parts[i].welded, settings) == SkinKind::Dense)
       dense += vertices;
     else
@@ -572,9 +570,9 @@ Result<CookedMesh> cook(const TriangleMesh& input, const CookSettings& settings)
   if (!builder.report("pieces", 1.0)) return Error{kEnded};
   for (const Part& part : *parts) builder.largest = std::max(builder.largest, extent(part.welded.points));
   for (const Part& part : *parts) {
-    Result<CookedBody> body = cookPart(builder, part);
+    Result<SharedNetwork> body = cookPart(builder, part);
     if (!body) return Error{body.error()};
-    count(builder.choices, *body->network);
+    count(builder.choices, **body);
     cooked.bodies.push_back(std::move(*body));
   }
   cooked.report[1] = describeBodies(builder.choices, welded->report.components, settings);

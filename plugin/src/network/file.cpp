@@ -38,11 +38,11 @@ static constexpr SpringKind lastOf(SpringKind) { return SpringKind::Brace; }
 namespace {
 
 // The contents of a `.limber` file after its header, declared once for the writer and the reader. A change of
-// the layout needs a new version. Version 2 also has groups.
+// the layout needs a new version. Version 2 also has groups, version 3 thickness and volume.
 
 /// Begins every .limber file. Like PNG's: not text, and damaged by a transfer as text.
 constexpr SealedFormat kFormat = {
-    {0x89, 'L', 'I', 'M', 'B', 'R', '\r', '\n'}, "a .limber file", "the file", 2};
+    {0x89, 'L', 'I', 'M', 'B', 'R', '\r', '\n'}, "a .limber file", "the file", 3};
 
 template <class Stream, class Report>
 void transferReport(Stream& stream, Report& report) {
@@ -85,6 +85,10 @@ void transferNetwork(Stream& stream, Network& network, std::uint32_t version) {
   stream.array("texture coordinates", network.render.uvs);
   stream.array("render triangles", network.render.triangles);
   if (version > 1) transferGroups(stream, network.groups);
+  if (version > 2) {
+    stream.value("thickness", network.thickness);
+    stream.value("volume", network.volume);
+  }
 }
 
 std::string readContents(const std::uint8_t* bytes, std::size_t size, std::uint32_t version,
@@ -99,8 +103,14 @@ std::string readContents(const std::uint8_t* bytes, std::size_t size, std::uint3
 
 }  // namespace
 
+/// Returns the first version that has all that the network has.
+static std::uint32_t versionFor(const SpringNetwork& network) {
+  if (network.thickness != 0.0 || network.volume != 0.0) return 3;
+  return network.groups.empty() ? 1 : 2;
+}
+
 std::vector<std::uint8_t> toBytes(const SpringNetwork& network) {
-  const std::uint32_t version = network.groups.empty() ? 1 : 2;
+  const std::uint32_t version = versionFor(network);
   std::vector<std::uint8_t> bytes;
   bytes.resize(kHeaderBytes);
   ByteWriter writer(bytes);

@@ -179,24 +179,6 @@ Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const Mater
   return skinned;
 }
 
-Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
-                                      SoftBodySettings settings) {
-  if (network.tetrahedra.empty() || network.stiffnessPerModulus <= 0.0)
-    return Error{"the network has no tetrahedra to be of a material: make it with buildMaterialNetwork"};
-  if (Result<void> valid = validate(material); !valid) return Error{valid.error()};
-  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
-  const UnitMaterial unit = findUnitMaterial(network, material.poissonRatio, settings.scale.cwiseAbs());
-  settings.extensionStiffness = settings.compressionStiffness = unit.stiffness * material.youngsModulus;
-  settings.volumeModulus = unit.volumeModulus * material.youngsModulus;
-  if (material.dampingTime) settings.damping = *material.dampingTime * settings.extensionStiffness;
-  settings.totalMass = material.density * volumeOfTetrahedra(network) * std::abs(settings.scale.prod());
-  if (Result<void> valid = validate(settings); !valid)
-    return Error{"a body of this material: " + valid.error()};
-  return settings;
-}
-
-// --- cooked bodies -----------------------------------------------------------------------------------------
-
 namespace {
 
 /// Returns the sum of stiffnessScale times the square of the rest length over the springs, m^2.
@@ -214,53 +196,58 @@ double areaOf(const SpringNetwork& network) {
   return area;
 }
 
-/// Spring constant (N/m) for 1 Pa, and the volume (m^3) of the material, at scale 1.
+/// Spring constant (N/m) and volume modulus for 1 Pa at the scale of a body, and the volume (m^3) of the
+/// material at scale 1.
 struct FormMaterial {
   double stiffness = 0.0, volume = 0.0;
+  std::optional<double> volumeModulus{};
 };
 
-FormMaterial materialOf(const CookedBody& body) {
-  const SpringNetwork& n = *body.network;
-  if (n.kind == NetworkKind::Rope) {
-    const double section = 0.25 * kPi * body.thickness * body.thickness;
-    double length = 0.0;
-    for (std::size_t i = 1; i < n.restPoints.size(); ++i)
-      length += (n.restPoints[i] - n.restPoints[i - 1]).norm();
-    return {section * length / stiffnessMoment(n), section * length};
+Result<FormMaterial> ofRopeOrSheet(const SpringNetwork& network, double lengthScale) {
+  const bool isRope = network.kind == NetworkKind::Rope;
+  if (network.thickness <= 0.0)
+    return Error{std::string("the thickness of the ") + (isRope ? "rope" : "cloth") +
+                 " is 0: a material needs it (SpringNetwork::thickness)"};
+  if (!isRope) {
+    const double volume = network.thickness * areaOf(network);
+    return FormMaterial{lengthScale * 3.0 * volume / stiffnessMoment(network), volume};
   }
-  if (body.thickness > 0.0) {
-    const double area = areaOf(n);
-    return {3.0 * body.thickness * area / stiffnessMoment(n), body.thickness * area};
-  }
-  const double volume = std::abs(signedVolume(n.restPoints, n.surface));
-  return {6.0 * volume / stiffnessMoment(n), volume};
+  double length = 0.0;
+  for (std::size_t i = 1; i < network.restPoints.size(); ++i)
+    length += (network.restPoints[i] - network.restPoints[i - 1]).norm();
+  const double volume = 0.25 * kPi * network.thickness * network.thickness * length;
+  return FormMaterial{lengthScale * volume / stiffnessMoment(network), volume};
 }
 
-Result<SoftBodySettings> ofTetrahedra(const CookedBody& body, const Material& material,
-                                      SoftBodySettings settings) {
-  Result<SoftBodySettings> made = withMaterial(*body.network, material, std::move(settings));
-  if (!made || body.volume == 0.0) return made;
-  made->totalMass = material.density * body.volume * std::abs(made->scale.prod());
-  if (Result<void> valid = validate(*made); !valid) return Error{"a body of this material: " + valid.error()};
-  return made;
+Result<FormMaterial> formOf(const SpringNetwork& network, double poissonRatio, const Eigen::Vector3d& scale) {
+  const double lengthScale = std::cbrt(scale.prod());
+  if (network.kind != NetworkKind::Solid) return ofRopeOrSheet(network, lengthScale);
+  const auto solidVolume = [&](double own) { return network.volume > 0.0 ? network.volume : own; };
+  if (!network.tetrahedra.empty() && network.stiffnessPerModulus > 0.0) {
+    const UnitMaterial unit = findUnitMaterial(network, poissonRatio, scale);
+    return FormMaterial{unit.stiffness, solidVolume(volumeOfTetrahedra(network)), unit.volumeModulus};
+  }
+  if (network.surface.empty() || findEdgeDefects(network.surface).open > 0)
+    return Error{"the surface of the network is open: a material needs its volume"};
+  const double volume = solidVolume(std::abs(signedVolume(network.restPoints, network.surface)));
+  return FormMaterial{lengthScale * 6.0 * volume / stiffnessMoment(network), volume};
 }
 
 }  // namespace
 
-Result<SoftBodySettings> withMaterial(const CookedBody& body, const Material& material,
+Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
                                       SoftBodySettings settings) {
-  if (!body.network) return Error{"the cooked body has no network"};
-  if (!body.network->tetrahedra.empty()) return ofTetrahedra(body, material, std::move(settings));
   if (Result<void> valid = validate(material); !valid) return Error{valid.error()};
   if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
-  const double volumeScale = std::abs(settings.scale.prod()), lengthScale = std::cbrt(volumeScale);
-  const FormMaterial form = materialOf(body);
-  settings.extensionStiffness = settings.compressionStiffness =
-      lengthScale * form.stiffness * material.youngsModulus;
-  settings.totalMass = material.density * form.volume * volumeScale;
+  const Eigen::Vector3d scale = settings.scale.cwiseAbs();
+  const Result<FormMaterial> form = formOf(network, material.poissonRatio, scale);
+  if (!form) return Error{form.error()};
+  settings.extensionStiffness = settings.compressionStiffness = form->stiffness * material.youngsModulus;
+  if (form->volumeModulus) settings.volumeModulus = *form->volumeModulus * material.youngsModulus;
   if (material.dampingTime) settings.damping = *material.dampingTime * settings.extensionStiffness;
-  if (body.thickness > 0.0 && !settings.pointRadius)
-    settings.pointRadius = 0.5 * lengthScale * body.thickness;
+  settings.totalMass = material.density * form->volume * scale.prod();
+  if (network.thickness > 0.0 && !settings.pointRadius)
+    settings.pointRadius = 0.5 * std::cbrt(scale.prod()) * network.thickness;
   if (Result<void> valid = validate(settings); !valid)
     return Error{"a body of this material: " + valid.error()};
   return settings;

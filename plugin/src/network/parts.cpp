@@ -340,23 +340,24 @@ TriangleMesh oriented(TriangleMesh mesh, const WeldedMesh& welded) {
   return mesh;
 }
 
-std::optional<CookedBody> buildSheet(const TriangleMesh& anySides, double thickness, std::size_t points) {
+SharedNetwork buildSheet(const TriangleMesh& anySides, double thickness, std::size_t points) {
   const Result<WeldedMesh> welded = weld(anySides);
-  if (!welded || welded->report.components != 1) return std::nullopt;
+  if (!welded || welded->report.components != 1) return nullptr;
   const TriangleMesh mesh = oriented(anySides, *welded);
   const std::size_t limit = points > 0 ? points : kSheetPoints;
   const Result<TriangleMesh> coarse = welded->points.size() > limit
                                           ? simplify(mesh, static_cast<std::uint32_t>(limit))
                                           : Result<TriangleMesh>(refined(mesh, limit));
-  if (!coarse) return std::nullopt;
+  if (!coarse) return nullptr;
   NetworkSettings settings;
   settings.braces = BraceRule::TwoRing;
   const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
-  if (!network) return std::nullopt;
+  if (!network) return nullptr;
   auto cloth = std::make_shared<SpringNetwork>(**network);
   cloth->kind = NetworkKind::Cloth;
   setSheetSprings(*cloth, kSheetBending);
-  return CookedBody{std::move(cloth), thickness, 0.0};
+  cloth->thickness = thickness;
+  return cloth;
 }
 
 }  // namespace
@@ -393,8 +394,8 @@ bool isClosedInEffect(const WeldedMesh& mesh) {
 
 }  // namespace
 
-std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
-  if (welded.report.components != 1) return std::nullopt;
+SharedNetwork sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
+  if (welded.report.components != 1) return nullptr;
   const FlatBox box = flatBoxOf(welded.points);
   const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded), border = borderLength(welded);
   const bool isFlat = box.size.z() < kFlat * size && facingShare(welded, box.axes.col(2)) > kPlateArea;
@@ -404,7 +405,7 @@ std::optional<CookedBody> sheetOf(const TriangleMesh& mesh, const WeldedMesh& we
     return buildSheet(middle, thickness, points);
   }
   const bool isOpen = border * border > kSheetBorder * area && !isClosedInEffect(welded);
-  return isFlat || isOpen ? buildSheet(mesh, kSheetThickness * size, points) : std::nullopt;
+  return isFlat || isOpen ? buildSheet(mesh, kSheetThickness * size, points) : SharedNetwork();
 }
 
 // --- ropes -------------------------------------------------------------------------------------------------
@@ -506,13 +507,13 @@ double roundRadius(const WeldedMesh& welded, const std::vector<Vector3d>& axis, 
 
 }  // namespace
 
-std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
-  if (welded.report.components != 1) return std::nullopt;
+SharedNetwork ropeOf(const WeldedMesh& welded) {
+  if (welded.report.components != 1) return nullptr;
   const Links links = edgeLinks(welded.points, welded.triangles);
   const std::uint32_t end = farthest(shortestPaths(links, welded.triangles[0][0], HUGE_VAL));
   const std::vector<double> length = shortestPaths(links, end, HUGE_VAL);
   const double total = length[farthest(length)], radius = areaOf(welded) / (2.0 * kPi * total);
-  if (!(total > 2.0 * kRopeLength * radius)) return std::nullopt;
+  if (!(total > 2.0 * kRopeLength * radius)) return nullptr;
   RopeSettings settings;
   settings.length = total;
   settings.segments = static_cast<std::uint32_t>(
@@ -521,12 +522,13 @@ std::optional<CookedBody> ropeOf(const WeldedMesh& welded) {
   TubeSamples samples;
   for (const Triangle& t : welded.triangles) sampleTriangle(welded, t, length, step, samples);
   const std::vector<Vector3d> axis = findAxis(samples, total, radius, settings.segments);
-  if (axis.empty()) return std::nullopt;
+  if (axis.empty()) return nullptr;
   const Result<SharedNetwork> straight = buildRope(settings);
-  if (!straight) return std::nullopt;
+  if (!straight) return nullptr;
   auto rope = std::make_shared<SpringNetwork>(**straight);
   rope->restPoints = axis;
-  return CookedBody{std::move(rope), 2.0 * roundRadius(welded, axis, radius), 0.0};
+  rope->thickness = 2.0 * roundRadius(welded, axis, radius);
+  return rope;
 }
 
 }  // namespace limber

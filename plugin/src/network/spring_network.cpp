@@ -104,9 +104,9 @@ std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
   return {};
 }
 
-std::string checkStiffnessPerModulus(double stiffness) {
-  const bool valid = std::isfinite(stiffness) && stiffness >= 0.0;
-  return valid ? std::string() : "the stiffness per modulus is not a finite number of 0 or more";
+std::string checkNotNegative(double value, const char* name) {
+  const bool valid = std::isfinite(value) && value >= 0.0;
+  return valid ? std::string() : std::string("the ") + name + " is not a finite number of 0 or more";
 }
 
 std::string checkSkinSizes(const Skin& skin) {
@@ -255,7 +255,9 @@ Result<void> validate(const SpringNetwork& network) {
   if (reason.empty()) reason = checkCorners(network.tetrahedra, points, "tetrahedron", "point");
   if (reason.empty()) reason = checkTetrahedra(network.tetrahedra, network.restPoints);
   if (reason.empty()) reason = checkNoTetrahedronTwice(network.tetrahedra);
-  if (reason.empty()) reason = checkStiffnessPerModulus(network.stiffnessPerModulus);
+  if (reason.empty()) reason = checkNotNegative(network.stiffnessPerModulus, "stiffness per modulus");
+  if (reason.empty()) reason = checkNotNegative(network.thickness, "thickness");
+  if (reason.empty()) reason = checkNotNegative(network.volume, "volume");
   if (reason.empty()) reason = checkRender(network.render, points);
   if (reason.empty()) reason = checkRopeHasNoSurface(network);
   if (reason.empty()) reason = checkGroups(network);
