@@ -159,11 +159,17 @@ inline double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, c
   return impulse > load ? work * load / impulse : work;
 }
 
+/// Returns the speed (m/s) by which the row yields to its impulse of the last substep, for ever: a light body
+/// between a heavy one and the floor sinks with it, until an overlap is removed as fast.
+inline double yieldOf(const ContactConstraint& row) {
+  return row.softness * (1.0 - kKept) * row.positionImpulse.n * row.mobility;
+}
+
 /// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.
 inline void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, bool anchored,
                       double dt, double tick) {
   row.softness = isOfPoint(c) ? 0.0 : kSoftness;
-  row.target = minSpeed(row.gap, c.recoverySpeed, dt);
+  row.target = minSpeed(row.gap, c.recoverySpeed + yieldOf(row), dt);
   row.freeSpeed = kFreeRecovery * c.recoverySpeed;
   row.maxWork = maxRecoveryWork(rows, c, row, anchored, dt / tick);
   row.bounces = false;
