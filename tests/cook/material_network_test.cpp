@@ -278,9 +278,9 @@ TEST(MaterialNetwork, saysWhatItCannotDo) {
   material.density = -1.0;
   EXPECT_EQ(withMaterial(*network, material).error(), "density is -1, must be above 0");
   EXPECT_EQ(withMaterial(**buildRope(), {}).error(),
-            "the thickness of the rope is 0: a material needs it (SpringNetwork::thickness)");
+            "the thickness of the rope is 0: a material needs it (see RopeSettings and ClothSettings)");
   EXPECT_EQ(withMaterial(**buildCloth(), {}).error(),
-            "the thickness of the cloth is 0: a material needs it (SpringNetwork::thickness)");
+            "the thickness of the cloth is 0: a material needs it (see RopeSettings and ClothSettings)");
   EXPECT_EQ(withMaterial(**buildNetwork(small_meshes::singleTriangle()), {}).error(),
             "the surface of the network is open: a material needs its volume");
 }

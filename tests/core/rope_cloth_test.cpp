@@ -69,12 +69,11 @@ TEST(NetworkRope, hasNoSurface) {
 }
 
 TEST(NetworkRope, impossibleSettingsAreRefused) {
-  EXPECT_EQ(buildRope(rope(0.0, 4, 0.1)).error(), "the length of a rope must be above 0");
+  EXPECT_EQ(buildRope(rope(0.0, 4, 0.1)).error(), "length is 0, must be above 0");
   EXPECT_FALSE(buildRope(rope(std::nan(""), 4, 0.1)));
-  EXPECT_EQ(buildRope(rope(1.0, 0, 0.1)).error(), "a rope needs at least one segment");
-  EXPECT_EQ(buildRope(rope(1.0, 4000000000u, 0.1)).error(),
-            "a rope of that many segments has more than ten million points");
-  EXPECT_EQ(buildRope(rope(1.0, 4, -0.1)).error(), "the bending scale of a rope must be 0 or more");
+  EXPECT_EQ(buildRope(rope(1.0, 0, 0.1)).error(), "segments is 0, must be 1 or more");
+  EXPECT_EQ(buildRope(rope(1.0, 4000000000u, 0.1)).error(), "segments is 4e+09, must be at most ten million");
+  EXPECT_EQ(buildRope(rope(1.0, 4, -0.1)).error(), "bendingScale is -0.1, must be 0 or more");
   EXPECT_FALSE(buildRope(rope(1.0, 4, std::nan(""))));
   EXPECT_FALSE(buildRope(rope(1.0, 0xffffffffu, 0.1)));
 }

@@ -80,18 +80,17 @@ TEST(Scenes, cookedRopesAndSheetsAreDropped) {
   SceneOptions options;
   options.count = 1;
   options.meshFile = folder.path() + "/body.limber";
-  RopeSettings settings;
-  settings.length = 2.0;
-  SpringNetwork rope = **buildRope(settings);
+  RopeSettings rope;
+  rope.length = 2.0;
   rope.thickness = 0.02;
-  SpringNetwork sheet = **buildCloth();
+  ClothSettings sheet;
   sheet.thickness = 0.005;
-  for (const SpringNetwork& network : {rope, sheet}) {
-    ASSERT_EQ(saveNetwork(network, options.meshFile).error(), "");
+  for (const SharedNetwork& network : {*buildRope(rope), *buildCloth(sheet)}) {
+    ASSERT_EQ(saveNetwork(*network, options.meshFile).error(), "");
     const SceneResult scene = createMeshDrop(options);
     ASSERT_TRUE(scene) << scene.error();
     const SoftBodySettings& made = (*scene)->soft->body(0)->settings();
-    const bool isRope = network.kind == NetworkKind::Rope;  // the rope of 2 m becomes one of 1 m
+    const bool isRope = network->kind == NetworkKind::Rope;  // the rope of 2 m becomes one of 1 m
     EXPECT_NEAR(made.totalMass, 1100.0 * (isRope ? 1e-4 * 0.78539816 : 0.005), 1e-6);
     EXPECT_NEAR(*made.pointRadius, isRope ? 0.005 : 0.0025, 1e-12);
   }

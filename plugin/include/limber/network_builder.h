@@ -78,10 +78,11 @@ struct RopeSettings {
   std::uint32_t segments = 16;  ///< at least 1; #points = segments + 1
   double bendingScale = 0.1;    ///< stiffness of the skip-one springs relative to the segments; 0 leaves them
                                 ///< out
+  double thickness = 0.0;       ///< m, the diameter, for withMaterial(); 0: unknown
 };
 
 /// Builds a chain of points along +x. Errors: length not above 0, no segments, more than ten million points,
-/// negative bending scale.
+/// negative bending scale or thickness.
 LIMBER_API Result<SharedNetwork> buildRope(const RopeSettings& settings = {});
 
 struct ClothSettings {
@@ -91,11 +92,12 @@ struct ClothSettings {
   std::uint32_t rows = 16;     ///< cells along z, at least 1
   double shearScale = 0.5;     ///< both diagonals of each cell; 0 leaves them out
   double bendingScale = 0.1;   ///< skip-one springs along x and z; 0 leaves them out
+  double thickness = 0.0;      ///< m, for withMaterial(); 0: unknown
 };
 
 /// Builds a sheet in the plane y = 0, centred at the origin, normal +y. Point (column i, row j) has the
 /// index j * (columns + 1) + i; i increases along +x, j along +z. Errors: sizes not above 0, no cells, more
-/// than ten million points, negative scales.
+/// than ten million points, negative scales or thickness.
 ///
 ///     o---o---o     structural: along x and z
 ///     | X | X |     shear:      both diagonals

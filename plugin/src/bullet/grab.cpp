@@ -5,6 +5,7 @@
 #include <limber/grab.h>
 
 #include "bullet/system_impl.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -140,8 +141,8 @@ btVector3 Grab::force() const {
 Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const GrabSettings& settings) {
   if (!belongsTo(system, body)) return Error{"the soft body is not, or no longer, one of this system"};
   if (!(settings.frequency >= 0.01 && settings.frequency <= 1000.0))
-    return Error{"the frequency of a grab must be from 0.01 to 1000 Hz"};
-  if (!(settings.maxForce >= 0.0)) return Error{"the largest force of a grab must be 0 or more"};
+    return Error{mustBe("frequency", settings.frequency, "from 0.01 to 1000 Hz")};
+  if (!(settings.maxForce >= 0.0)) return Error{mustBe("maxForce", settings.maxForce, "0 or more")};
   if (!body->point(i)) return Error{"the soft body has no such point"};
   if (body->pinned(i)) return Error{"the point is pinned"};
   const double omega = kTwoPi * settings.frequency, mass = body->totalMass();

@@ -25,16 +25,22 @@ namespace {
 /// A larger rope takes gigabytes and is probably a mistake.
 constexpr std::uint32_t kMaxRopePoints = 10'000'000;
 
-bool isSize(double value) { return std::isfinite(value) && value > 0.0; }
-bool isScale(double value) { return std::isfinite(value) && value >= 0.0; }
+std::string checkSize(const char* name, double value) {
+  return std::isfinite(value) && value > 0.0 ? std::string() : mustBe(name, value, "above 0");
+}
+
+std::string checkNotNegative(const char* name, double value) {
+  return std::isfinite(value) && value >= 0.0 ? std::string() : mustBe(name, value, "0 or more");
+}
 
 std::string check(const RopeSettings& settings) {
-  if (!isSize(settings.length)) return "the length of a rope must be above 0";
-  if (settings.segments == 0) return "a rope needs at least one segment";
-  if (settings.segments > kMaxRopePoints)
-    return "a rope of that many segments has more than ten million points";
-  if (!isScale(settings.bendingScale)) return "the bending scale of a rope must be 0 or more";
-  return {};
+  std::string reason = checkSize("length", settings.length);
+  if (reason.empty() && settings.segments == 0) reason = mustBe("segments", 0.0, "1 or more");
+  if (reason.empty() && settings.segments > kMaxRopePoints)
+    reason = mustBe("segments", settings.segments, "at most ten million");
+  if (reason.empty()) reason = checkNotNegative("bendingScale", settings.bendingScale);
+  if (reason.empty()) reason = checkNotNegative("thickness", settings.thickness);
+  return reason;
 }
 
 std::vector<Eigen::Vector3d> ropePoints(double length, std::uint32_t segments) {
@@ -66,6 +72,7 @@ Result<SharedNetwork> buildRope(const RopeSettings& settings) {
   network->restPoints = ropePoints(settings.length, settings.segments);
   network->massFractions.assign(settings.segments + 1, 1.0 / (settings.segments + 1.0));
   network->springs = ropeSprings(settings.segments, settings.bendingScale);
+  network->thickness = settings.thickness;
   return SharedNetwork(std::move(network));
 }
 
@@ -81,14 +88,17 @@ struct Grid {
 };
 
 std::string check(const ClothSettings& settings) {
-  if (!isSize(settings.width) || !isSize(settings.depth)) return "width and depth of a cloth must be above 0";
-  if (settings.columns == 0 || settings.rows == 0)
-    return "a cloth needs at least one column and one row of cells";
-  if ((settings.columns + 1.0) * (settings.rows + 1.0) > 1e7)
-    return "a cloth of that many cells has more than ten million points";
-  if (!isScale(settings.shearScale)) return "the shear scale of a cloth must be 0 or more";
-  if (!isScale(settings.bendingScale)) return "the bending scale of a cloth must be 0 or more";
-  return {};
+  std::string reason = checkSize("width", settings.width);
+  if (reason.empty()) reason = checkSize("depth", settings.depth);
+  if (reason.empty() && settings.columns == 0) reason = mustBe("columns", 0.0, "1 or more");
+  if (reason.empty() && settings.rows == 0) reason = mustBe("rows", 0.0, "1 or more");
+  const double points = (settings.columns + 1.0) * (settings.rows + 1.0);
+  if (reason.empty() && points > 1e7)
+    reason = mustBe("the number of points, (columns + 1) (rows + 1),", points, "at most ten million");
+  if (reason.empty()) reason = checkNotNegative("shearScale", settings.shearScale);
+  if (reason.empty()) reason = checkNotNegative("bendingScale", settings.bendingScale);
+  if (reason.empty()) reason = checkNotNegative("thickness", settings.thickness);
+  return reason;
 }
 
 /// Adds the springs from point (i, j) to points after it, in ascending order of their index:
@@ -155,6 +165,7 @@ Result<SharedNetwork> buildCloth(const ClothSettings& settings) {
   addClothPoints(grid, settings, *network);
   network->massFractions.assign(grid.points(), 1.0 / grid.points());
   network->springs = clothSprings(grid, settings);
+  network->thickness = settings.thickness;
   network->surface = clothTriangles(grid);
   network->render.vertexToPoint.resize(grid.points());
   std::iota(network->render.vertexToPoint.begin(), network->render.vertexToPoint.end(), 0u);

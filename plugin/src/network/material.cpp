@@ -207,7 +207,7 @@ Result<FormMaterial> ofRopeOrSheet(const SpringNetwork& network, double lengthSc
   const bool isRope = network.kind == NetworkKind::Rope;
   if (network.thickness <= 0.0)
     return Error{std::string("the thickness of the ") + (isRope ? "rope" : "cloth") +
-                 " is 0: a material needs it (SpringNetwork::thickness)"};
+                 " is 0: a material needs it (see RopeSettings and ClothSettings)"};
   if (!isRope) {
     const double volume = network.thickness * areaOf(network);
     return FormMaterial{lengthScale * 3.0 * volume / stiffnessMoment(network), volume};
