@@ -343,14 +343,14 @@ std::optional<CookedFilling> fillPlate(Builder& builder, const Part& part, const
 
 /// A thickened body that leaves out parts of the mesh as far as this fraction of its size, or has more than
 /// so many times the volume of a closed one, has too few points.
-constexpr double kMostMissed = 0.1, kMostGrown = 3.0;
+constexpr double kMostMissed = 0.1, kMostGrown = 2.0;
 
 /// The ratio between two numbers of points, if the user's number is too small.
 constexpr double kEnough = 1.3;
 
 bool hasTooFewPoints(const Part& part, const Solid& solid, const TetrahedralMesh& filling) {
   if (largestMiss(part.welded, filling) > kMostMissed * extent(part.welded.points)) return true;
-  return isOneSolid(part.welded.report) &&
+  return part.welded.report.openEdges == 0 &&
          std::abs(signedVolume(filling.points, filling.surface)) > kMostGrown * solid.volume;
 }
 

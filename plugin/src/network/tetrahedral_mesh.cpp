@@ -40,16 +40,38 @@ Vector3d faceNormal(const std::vector<Vector3d>& points, const Tetrahedron& t, s
 
 }  // namespace
 
-FaceNeighbours findFaceNeighbours(const std::vector<Tetrahedron>& tetrahedra) {
-  std::vector<std::pair<Triangle, std::uint32_t>> faces;  // sorted corners; 4 x tetrahedron + corner
-  faces.reserve(4 * tetrahedra.size());
+namespace {
+
+/// A face by its corners in ascending order, and 4 x its tetrahedron + the opposite corner.
+using Face = std::pair<Triangle, std::uint32_t>;
+
+/// Returns all faces in ascending order: first by counts of the lowest corner, then a few at a time.
+std::vector<Face> sortedFaces(const std::vector<Tetrahedron>& tetrahedra) {
+  std::uint32_t points = 0;
+  for (const Tetrahedron& t : tetrahedra)
+    points = std::max(points, *std::max_element(t.begin(), t.end()) + 1);
+  std::vector<std::uint32_t> end(points + 1, 0);  // of the faces of each lowest corner
+  std::vector<Face> unsorted, faces;
+  unsorted.reserve(4 * tetrahedra.size());
   for (std::uint32_t t = 0; t < tetrahedra.size(); ++t)
     for (std::uint32_t corner = 0; corner < 4; ++corner) {
       Triangle face = faceOf(tetrahedra[t], corner);
       std::sort(face.begin(), face.end());
-      faces.emplace_back(face, 4 * t + corner);
+      unsorted.emplace_back(face, 4 * t + corner);
+      ++end[face[0] + 1];
     }
-  std::sort(faces.begin(), faces.end());
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  faces.resize(unsorted.size());
+  for (const Face& face : unsorted) faces[end[face.first[0]]++] = face;
+  for (std::uint32_t i = 0, first = 0; i < points; first = end[i++])
+    std::sort(faces.begin() + first, faces.begin() + end[i]);
+  return faces;
+}
+
+}  // namespace
+
+FaceNeighbours findFaceNeighbours(const std::vector<Tetrahedron>& tetrahedra) {
+  const std::vector<Face> faces = sortedFaces(tetrahedra);
   FaceNeighbours neighbours(tetrahedra.size(), {kOutside, kOutside, kOutside, kOutside});
   for (std::size_t i = 1; i < faces.size(); ++i) {
     if (faces[i].first != faces[i - 1].first) continue;
@@ -214,13 +236,24 @@ void dropUnusedPoints(TetrahedralMesh& mesh) {
 }  // namespace
 
 std::vector<std::uint32_t> findPieces(const std::vector<Tetrahedron>& tetrahedra) {
-  Indices all(tetrahedra.size());
-  std::iota(all.begin(), all.end(), 0u);
-  const Indices group = groupAround(tetrahedra, findFaceNeighbours(tetrahedra), all, {});
-  Indices number(group.size());
+  const FaceNeighbours neighbours = findFaceNeighbours(tetrahedra);
+  Indices piece(tetrahedra.size(), kOutside), pending;
   std::uint32_t pieces = 0;
-  for (std::size_t t = 0; t < group.size(); ++t) number[t] = group[t] == t ? pieces++ : number[group[t]];
-  return number;
+  for (std::uint32_t first = 0; first < piece.size(); ++first) {
+    if (piece[first] != kOutside) continue;
+    piece[first] = pieces;
+    for (pending.push_back(first); !pending.empty();) {
+      const std::uint32_t t = pending.back();
+      pending.pop_back();
+      for (const std::uint32_t other : neighbours[t])
+        if (other != kOutside && piece[other] == kOutside) {
+          piece[other] = pieces;
+          pending.push_back(other);
+        }
+    }
+    ++pieces;
+  }
+  return piece;
 }
 
 void makeManifold(TetrahedralMesh& mesh, double minVolume) {
