@@ -319,6 +319,63 @@ TEST(StrongDampers, stopAnImpactAsFineSubstepsDo) {
   }
 }
 
+// --- a cloth between a heavy body and spikes ---------------------------------------------------------------
+
+/// A ground of 13 x 13 corners, some of them spikes of 0.6 m.
+class SpikyGround {
+ public:
+  explicit SpikyGround(BulletWorld& bullet) {
+    const auto corner = [](int i, int j) {
+      return vec(0.4 * (i - 6), i % 3 == 1 && j % 3 == 1 ? 0.6 : 0.0, 0.4 * (j - 6));
+    };
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j) {
+        mesh_.addTriangle(corner(i, j), corner(i, j + 1), corner(i + 1, j));
+        mesh_.addTriangle(corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1));
+      }
+    bullet.add(std::make_unique<btBvhTriangleMeshShape>(&mesh_, true), 0, vec(0, 0, 0));
+  }
+
+ private:
+  btTriangleMesh mesh_;
+};
+
+/// Drops a jelly cube of 65 kg on a cloth of 1 kg that falls on spikes. Returns the largest speed of its
+/// points.
+double fastestOnSpikes(const SharedNetwork& jelly, double x) {
+  BulletWorld bullet;
+  const SpikyGround ground(bullet);
+  SoftBodySystem system(*bullet.world);
+  ClothSettings sheet;
+  sheet.width = sheet.depth = 3.0;
+  sheet.columns = sheet.rows = 20;
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0.1, 1.2, 0.05};
+  s.pointRadius = 0.02;
+  (void)*system.createBody(*buildCloth(sheet), s);
+  SoftBodySettings ofJelly = test::testedSettings();
+  ofJelly.position = {x, 2.0, 0.0};
+  const SoftBody& cube = **system.createBody(jelly, *withMaterial(*jelly, {3e4, 0.3, 300.0, 0.01}, ofJelly));
+  double fastest = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    bullet.tick();
+    for (std::uint32_t p = 0; p < cube.pointCount(); ++p)
+      fastest = std::max(fastest, cube.velocity(p).norm());
+  }
+  return fastest;
+}
+
+/// The solve of the contacts diverged: points of the jelly reached 41 to 285 m/s.
+TEST(SurfaceContactEnergy, ofAJellyThatPressesAClothOntoSpikesDoesNotGrow) {
+  TriangleMesh mesh = small_meshes::cube(4);
+  for (Vector3d& p : mesh.positions) p *= 0.6;
+  MaterialMesh how;
+  how.points = 100;
+  const SharedNetwork jelly = *buildMaterialNetwork(mesh, how);
+  // of 5.8 m/s of the fall; points bounce off the others
+  EXPECT_LT(fastestOnSpikes(jelly, 0.4), 9.0);
+}
+
 // --- impulses ----------------------------------------------------------------------------------------------
 
 /// With each stepper: two planes push an undamped cloth that flies into their wedge, and never pull it.
