@@ -77,6 +77,36 @@ TEST(SelfContacts, knottedRopeTouchesAtItsCrossing) {
   }
 }
 
+bool mayTouchItself(MovingShape& shape, double displacement) {
+  ContactSearch search;
+  std::vector<SurfaceContact> found;
+  return mayTouchItself(shape.surface(), 0.003, displacement, 0.0, search, found);
+}
+
+/// Parts of a flag move fast, but next to each other alike.
+TEST(SelfContacts, aFlagThatFlapsDoesNotTouchItself) {
+  MovingShape flag = test::clothShape(10, 0.05, 0.002);
+  for (Eigen::Index i = 0; i < flag.position.cols(); ++i)
+    flag.motion.col(i) =
+        Vector3d(0.2, 0.06 * std::sin(12.0 * flag.position(0, i)), 0.3 * flag.position(0, i));
+  EXPECT_FALSE(mayTouchItself(flag, 0.4));
+}
+
+/// The upper half of a folded cloth comes down on the lower one, or may if it falls by a quarter more than
+/// expected.
+TEST(SelfContacts, aFoldThatClosesMayTouch) {
+  for (const double motion : {0.0, -0.05, -0.07, -0.1}) {
+    MovingShape cloth = test::clothShape(10, 0.05, 0.002);
+    for (Eigen::Index i = 0; i < cloth.position.cols(); ++i) {
+      if (cloth.position(0, i) < 0.02) continue;
+      cloth.position.col(i) = Vector3d(0.021 - cloth.position(0, i), 0.1, cloth.position(2, i));
+      cloth.motion.col(i) = Vector3d(0.0, motion, 0.0);
+    }
+    const double needed = 0.1 - 2.0 * cloth.radius - 0.003;
+    EXPECT_EQ(mayTouchItself(cloth, -motion), -1.25 * motion >= needed) << motion;
+  }
+}
+
 TEST(ContactSearch, isReproducible) {
   std::mt19937 random(16);
   MovingShape a = test::ballShape(3, 0.01), b = test::hullShape(12, 0.02, random);

@@ -437,10 +437,8 @@ bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   // overlaps of the radii alone are found in the next tick
   const double radii = m.stopped > 0.0 ? radiusSumOf(m) : 0.0;
   const double extraMargin = ownDisplacement(m) + m.stopped - radii;
-  if (isSelf(m)) {
-    findSelfContacts(a, margin(m), s.search, s.contacts, extraMargin);
-    return !s.contacts.empty();
-  }
+  if (isSelf(m))
+    return mayTouchItself(a, margin(m), m.displacement, extraMargin - m.displacement, s.search, s.contacts);
   findNearLeaves(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting, s.search.near);
   return !s.search.near.empty();
 }

@@ -42,19 +42,29 @@ BoxedElement boxed(const MovingSurface& surface, std::uint32_t leaf) {
   return boxed;
 }
 
+/// Whether the vertex is one of the corners of a feature of the same surface: the two are no contact.
+template <std::size_t N>
+bool isOwnCorner(const SurfacePair& pair, std::uint32_t v, const std::array<std::uint32_t, N>& corners) {
+  return pair.self && std::find(corners.begin(), corners.end(), v) != corners.end();
+}
+
 /// Tests the vertices that `own` owns with all features of `other`. `ofB`: `own` is an element of surface b.
 void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& own, const BoxedElement& other,
                        ContactSearch& search) {
   for (const std::uint32_t v : own.element->vertices) {
     if (v == kNoFeature || separation(own.vertexBox(v), other.whole) > pair.margin) continue;
     const SweptBox& box = own.vertexBox(v);
-    if (other.element->triangle != kNoFeature)
+    if (other.element->triangle != kNoFeature && !isOwnCorner(pair, v, other.element->corners))
       collideVertexTriangle(pair, ofB, v, other.element->triangle, search);
+    const std::vector<Edge>& edges = (ofB ? pair.a : pair.b).topology->edges;
     for (std::size_t i = 0; i < 3; ++i)
-      if (other.element->edges[i] != kNoFeature && separation(box, other.edges[i]) <= pair.margin)
-        collideVertexEdge(pair, ofB, v, other.element->edges[i], search);
+      if (const std::uint32_t edge = other.element->edges[i]; edge != kNoFeature &&
+                                                              !isOwnCorner(pair, v, edges[edge]) &&
+                                                              separation(box, other.edges[i]) <= pair.margin)
+        collideVertexEdge(pair, ofB, v, edge, search);
     for (const std::uint32_t w : other.element->vertices)
-      if (!ofB && w != kNoFeature && separation(box, other.vertexBox(w)) <= pair.margin)
+      if (!ofB && w != kNoFeature && !(pair.self && v == w) &&
+          separation(box, other.vertexBox(w)) <= pair.margin)
         collideVertices(pair, v, w, search);
   }
 }
@@ -62,10 +72,15 @@ void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& ow
 void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedElement& b,
                     ContactSearch& search) {
   for (std::size_t i = 0; i < 3; ++i) {
-    if (a.element->edges[i] == kNoFeature || separation(a.edges[i], b.whole) > pair.margin) continue;
+    const std::uint32_t edgeA = a.element->edges[i];
+    if (edgeA == kNoFeature || separation(a.edges[i], b.whole) > pair.margin) continue;
+    const Edge& ends = pair.a.topology->edges[edgeA];
     for (std::size_t j = 0; j < 3; ++j)
-      if (b.element->edges[j] != kNoFeature && separation(a.edges[i], b.edges[j]) <= pair.margin)
-        collideEdges(pair, a.element->edges[i], b.element->edges[j], search);
+      if (const std::uint32_t edgeB = b.element->edges[j];
+          edgeB != kNoFeature && !isOwnCorner(pair, ends[0], pair.b.topology->edges[edgeB]) &&
+          !isOwnCorner(pair, ends[1], pair.b.topology->edges[edgeB]) &&
+          separation(a.edges[i], b.edges[j]) <= pair.margin)
+        collideEdges(pair, edgeA, edgeB, search);
   }
 }
 
@@ -269,9 +284,57 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
 }
 
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
-                      std::vector<SurfaceContact>& found, double extraMargin) {
+                      std::vector<SurfaceContact>& found) {
+  findNearLeaves(surface, surface, margin, search.waiting, search.near);
+  searchNear({surface, surface, margin, true, 0.0}, search, found);
+}
+
+namespace {
+
+/// Where an element is at the start of the tick, and its expected motion (m): that of all its points is
+/// within `spread` of it.
+struct ElementMotion {
+  Eigen::AlignedBox3d box;
+  Vector3d motion = Vector3d::Zero();
+  double spread = 0.0;
+};
+
+ElementMotion motionOf(const MovingSurface& surface, std::uint32_t leaf) {
+  const auto& corners = surface.topology->elements[surface.topology->nodes[leaf].element].corners;
+  ElementMotion m;
+  for (const std::uint32_t c : corners) {
+    m.box.extend(surface.position->col(c));
+    m.motion += surface.motion->col(c) / 3.0;
+  }
+  for (const std::uint32_t c : corners)
+    m.spread = std::max(m.spread, (surface.motion->col(c) - m.motion).norm());
+  return m;
+}
+
+/// Drops the pairs of elements in `near` that are farther apart than `distance` (m) and twice their expected
+/// relative motion. Most of them are neighbours that move alike.
+void dropDistant(const MovingSurface& surface, double distance, LeafPairs& near) {
+  std::uint32_t first = kNoFeature;
+  ElementMotion a;
+  const auto isDistant = [&](const LeafPairs::value_type& pair) {
+    if (pair.first != first) a = motionOf(surface, first = pair.first);
+    const ElementMotion b = motionOf(surface, pair.second);
+    const double relative = (a.motion - b.motion).norm() + a.spread + b.spread;
+    return a.box.exteriorDistance(b.box) > distance + 2.0 * relative;
+  };
+  near.erase(std::remove_if(near.begin(), near.end(), isDistant), near.end());
+}
+
+}  // namespace
+
+bool mayTouchItself(const MovingSurface& surface, double margin, double displacement, double others,
+                    ContactSearch& search, std::vector<SurfaceContact>& found) {
+  constexpr double kUnexpected = 0.25;
+  const double extraMargin = kUnexpected * displacement + others;
   findNearLeaves(surface, surface, margin + extraMargin, search.waiting, search.near);
+  dropDistant(surface, margin + 2.0 * surface.radius + extraMargin, search.near);
   searchNear({surface, surface, margin + extraMargin, true, extraMargin}, search, found);
+  return !found.empty();
 }
 
 // --- contact cache -----------------------------------------------------------------------------------------

@@ -82,10 +82,16 @@ struct ContactSearch {
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
                          std::vector<SurfaceContact>& found);
 
-/// Finds the contacts of a surface with itself up to a gap of `margin + extraMargin` (m). Leaves out features
-/// that share a vertex, and features whose distance at rest is at most both radii and `margin`.
+/// Finds the contacts of a surface with itself up to a gap of `margin` (m). Leaves out features that share a
+/// vertex, and features whose distance at rest is at most both radii and `margin`.
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
-                      std::vector<SurfaceContact>& found, double extraMargin = 0.0);
+                      std::vector<SurfaceContact>& found);
+
+/// Whether a surface may touch itself within the tick: parts of it move relative to each other by up to
+/// `displacement` (m) as expected, by a quarter of it beyond that, and by `others` (m) where something stops
+/// them. `found` is scratch.
+bool mayTouchItself(const MovingSurface& surface, double margin, double displacement, double others,
+                    ContactSearch& search, std::vector<SurfaceContact>& found);
 
 // --- contact cache -----------------------------------------------------------------------------------------
 
