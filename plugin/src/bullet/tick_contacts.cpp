@@ -71,14 +71,15 @@ Eigen::Vector3d torqueAcceleration(const btRigidBody& body) {
 }
 
 /// Sets the angular velocity (rad/s) at the start of the solver such that it becomes `target` before
-/// impulses.
-void setInitialAngularVelocity(btRigidBody& body, const Eigen::Vector3d& target, btScalar tick) {
+/// impulses. Returns what it becomes, which differs for turns of a radian or more in a tick.
+Eigen::Vector3d setInitialAngularVelocity(btRigidBody& body, const Eigen::Vector3d& target, btScalar tick) {
   Eigen::Vector3d initial = target;
   for (int i = 0; i < 3; ++i) {
     body.setAngularVelocity(toBullet(initial));
     initial = target - gyroscopicChange(body, tick);
   }
   body.setAngularVelocity(toBullet(initial));
+  return initial + gyroscopicChange(body, tick);
 }
 
 void gatherFreeRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
@@ -135,16 +136,40 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
   const double linear = dampingFactor(body.getLinearDamping(), tick);
   const double angular = dampingFactor(body.getAngularDamping(), tick);
   const Eigen::Vector3d initial = mean - h * partner.start.acceleration;
-  setInitialAngularVelocity(body, meanAngular - h * torqueAcceleration(body), tick);
+  const Eigen::Vector3d torque = h * torqueAcceleration(body);
+  const Eigen::Vector3d reached = setInitialAngularVelocity(body, meanAngular - torque, tick) + torque;
   if (linear > 0.0) body.setLinearVelocity(toBullet(initial / linear));
   if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() / static_cast<btScalar>(angular));
   partner.expectedVelocity = toBullet(mean);
-  partner.expectedAngularVelocity = toBullet(meanAngular);
+  partner.expectedAngularVelocity = toBullet(reached);
+  partner.turn = h * meanAngular;
 }
+
+namespace {
+
+/// Bullet turns a body by no more than this in a tick, radians (btTransformUtil.h).
+constexpr double kMostTurned = 0.25 * kPi;
+
+/// Gives the body the turn of its step, and what else acted on it: fast turns are not those that Bullet
+/// makes. Its anchors would be torn off their points.
+void completeTurn(RigidPartner& partner, btScalar tick) {
+  constexpr double kSameTurn = 1e-4;  // radians
+  const Eigen::Vector3d made = double(tick) * toEigen(partner.body->getAngularVelocity());
+  const Eigen::Vector3d missing = partner.turn - double(tick) * toEigen(partner.expectedAngularVelocity);
+  const Eigen::Vector3d turn = made + missing;
+  if (turn.norm() < kMostTurned && missing.norm() < kSameTurn) return;
+  btTransform pose = partner.body->getWorldTransform();
+  const Eigen::Quaterniond q = rotationBy(turn) * partner.start.rotation;
+  pose.setRotation(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())));
+  partner.body->setCenterOfMassTransform(pose);
+}
+
+}  // namespace
 
 void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held) return;
   btRigidBody& body = *partner.body;
+  if (body.isActive()) completeTurn(partner, tick);
   partner.lastPose = body.getWorldTransform();
   if (!body.isActive()) return;
   const Eigen::Vector3d velocity = dampingFactor(body.getLinearDamping(), tick) * end.velocity;

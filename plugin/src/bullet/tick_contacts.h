@@ -39,6 +39,7 @@ struct RigidPartner {
   RigidState start;            ///< at the start of the tick
   btVector3 expectedVelocity;  ///< after the tick if nothing else acts
   btVector3 expectedAngularVelocity;
+  Eigen::Vector3d turn;  ///< radians, of the tick if nothing else acts
 };
 
 /// The body must be in the world.
