@@ -116,6 +116,19 @@ TEST(NetworkCloth, pointsRunAlongXThenZ) {
   for (const double fraction : cloth->massFractions) EXPECT_DOUBLE_EQ(fraction, 1.0 / 35.0);
 }
 
+TEST(NetworkCloth, ofAUniformSheetHasMassesByArea) {
+  ClothSettings settings = squareCells();
+  settings.masses = limber::MassRule::Area;
+  const SharedNetwork cloth = validCloth(settings);
+  EXPECT_DOUBLE_EQ(cloth->massFractions[0], 0.25 / 24.0);
+  EXPECT_DOUBLE_EQ(cloth->massFractions[2], 0.5 / 24.0);
+  EXPECT_DOUBLE_EQ(cloth->massFractions[2 * 5 + 3], 1.0 / 24.0);
+  double inertia = 0.0;  // sum of m x^2 of points: that of the sheet, w^2 / 12, and of its cells
+  for (std::size_t i = 0; i < 35; ++i)
+    inertia += cloth->massFractions[i] * std::pow(cloth->restPoints[i].x(), 2);
+  EXPECT_NEAR(inertia, 4.0 / 12.0 + 0.25 / 6.0, 1e-12);
+}
+
 TEST(NetworkCloth, springCounts) {
   for (const std::uint32_t columns : {1u, 2u, 3u, 4u}) {
     for (const std::uint32_t rows : {1u, 2u, 7u}) {
@@ -197,6 +210,8 @@ TEST(NetworkCloth, impossibleSettingsAreRefused) {
   EXPECT_TRUE(refused([](ClothSettings& s) { s.depth = -1.0; }));
   EXPECT_TRUE(refused([](ClothSettings& s) { s.width = std::nan(""); }));
   EXPECT_TRUE(refused([](ClothSettings& s) { s.columns = 0; }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.masses = limber::MassRule(7); }));
+  EXPECT_TRUE(refused([](ClothSettings& s) { s.thickness = -1.0; }));
   EXPECT_TRUE(refused([](ClothSettings& s) { s.rows = 0; }));
   EXPECT_TRUE(refused([](ClothSettings& s) { s.shearScale = -1.0; }));
   EXPECT_TRUE(refused([](ClothSettings& s) { s.bendingScale = std::nan(""); }));

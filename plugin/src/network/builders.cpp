@@ -98,6 +98,7 @@ std::string check(const ClothSettings& settings) {
   if (reason.empty()) reason = checkNotNegative("shearScale", settings.shearScale);
   if (reason.empty()) reason = checkNotNegative("bendingScale", settings.bendingScale);
   if (reason.empty()) reason = checkNotNegative("thickness", settings.thickness);
+  if (reason.empty() && settings.masses > MassRule::Moments) reason = "masses is none of the rules";
   return reason;
 }
 
@@ -143,6 +144,19 @@ std::vector<Triangle> clothTriangles(const Grid& grid) {
   return triangles;
 }
 
+/// Returns equal fractions, or for each point the share of a quarter of its cells.
+std::vector<double> clothMasses(const Grid& grid, MassRule rule) {
+  if (rule == MassRule::Equal) return std::vector<double>(grid.points(), 1.0 / grid.points());
+  const auto share = [](std::uint32_t i, std::uint32_t cells) {
+    return (i == 0 || i == cells ? 0.5 : 1.0) / cells;
+  };
+  std::vector<double> masses;
+  for (std::uint32_t j = 0; j <= grid.rows; ++j)
+    for (std::uint32_t i = 0; i <= grid.columns; ++i)
+      masses.push_back(share(i, grid.columns) * share(j, grid.rows));
+  return masses;
+}
+
 /// Adds the points with their texture coordinates. u is along +x, v along -z: the image is upright seen from
 /// above with +x to the right.
 void addClothPoints(const Grid& grid, const ClothSettings& settings, SpringNetwork& network) {
@@ -163,10 +177,10 @@ Result<SharedNetwork> buildCloth(const ClothSettings& settings) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Cloth;
   addClothPoints(grid, settings, *network);
-  network->massFractions.assign(grid.points(), 1.0 / grid.points());
   network->springs = clothSprings(grid, settings);
   network->thickness = settings.thickness;
   network->surface = clothTriangles(grid);
+  network->massFractions = clothMasses(grid, settings.masses);
   network->render.vertexToPoint.resize(grid.points());
   std::iota(network->render.vertexToPoint.begin(), network->render.vertexToPoint.end(), 0u);
   network->render.triangles = network->surface;

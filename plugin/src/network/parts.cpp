@@ -351,6 +351,7 @@ SharedNetwork buildSheet(const TriangleMesh& anySides, double thickness, std::si
   if (!coarse) return nullptr;
   NetworkSettings settings;
   settings.braces = BraceRule::TwoRing;
+  settings.masses = MassRule::Area;
   const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
   if (!network) return nullptr;
   auto cloth = std::make_shared<SpringNetwork>(**network);
