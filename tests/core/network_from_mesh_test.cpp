@@ -155,9 +155,9 @@ TEST(NetworkFromMesh, settingsOutOfRangeAreNamed) {
   EXPECT_EQ(error([](auto& s) { s.maxBracesPerPoint = 0.0; }),
             "maxBracesPerPoint is 0.000000, must be above 0");
   EXPECT_EQ(error([](auto& s) { s.timeLimit = -2.0; }), "timeLimit is -2.000000, must be 0 or more");
-  EXPECT_EQ(error([](auto& s) { s.braces = static_cast<BraceRule>(9); }), "braces is none of the rules");
+  EXPECT_EQ(error([](auto& s) { s.braces = static_cast<BraceRule>(9); }), "braces is no value of BraceRule");
   EXPECT_EQ(error([](auto& s) { s.masses = static_cast<limber::MassRule>(9); }),
-            "masses is none of the rules");
+            "masses is no value of MassRule");
   for (const double weight : {std::nan(""), std::numeric_limits<double>::infinity()})
     EXPECT_NE(error([weight](auto& s) { s.braceWeight = weight; }), "") << weight;
 }

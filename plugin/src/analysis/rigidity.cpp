@@ -9,7 +9,6 @@
 #include "mesh/surface.h"
 #include "network/modes.h"
 
-#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
 #include <algorithm>
@@ -268,18 +267,12 @@ std::vector<std::uint32_t> eliminationOrder(const SpringNetwork& network) {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(network.restPoints.size() + 2 * network.springs.size());
   for (int i = 0; i < count; ++i) entries.emplace_back(i, i, 1.0);
-  for (const NetworkSpring& s : network.springs) {
-    entries.emplace_back(static_cast<int>(s.a), static_cast<int>(s.b), 1.0);
-    entries.emplace_back(static_cast<int>(s.b), static_cast<int>(s.a), 1.0);
-  }
+  for (const NetworkSpring& s : network.springs)
+    entries.emplace_back(static_cast<int>(std::max(s.a, s.b)), static_cast<int>(std::min(s.a, s.b)), 1.0);
   Eigen::SparseMatrix<double> graph(count, count);
   graph.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic> order;
-  Eigen::AMDOrdering<int>()(graph, order);
-  std::vector<std::uint32_t> newIndex(network.restPoints.size());
-  for (int i = 0; i < count; ++i)
-    newIndex[static_cast<std::size_t>(order.indices()[i])] = static_cast<std::uint32_t>(i);
-  return newIndex;
+  const Eigen::VectorXi newIndex = sparseOrder(graph);
+  return {newIndex.begin(), newIndex.end()};
 }
 
 Framework randomPlacement(const SpringNetwork& network, Random& random) {

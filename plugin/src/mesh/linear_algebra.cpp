@@ -110,6 +110,13 @@ Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index c
 
 // --- sparse matrices ---------------------------------------------------------------------------------------
 
+Eigen::VectorXi sparseOrder(const Eigen::SparseMatrix<double>& matrix) {
+  const Eigen::SparseMatrix<double> both = matrix.selfadjointView<Eigen::Lower>();
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(both, order);
+  return order.inverse().eval().indices();
+}
+
 // Columns of L next to each other with the same rows below them are a supernode. They are eliminated together
 // in a dense matrix, their front: the sum of their entries of A and of what the supernodes before them leave
 // (the multifrontal method: I. Duff, J. Reid, The Multifrontal Solution of Indefinite Sparse Symmetric Linear
@@ -130,15 +137,6 @@ struct Supernode {
   Index width() const { return end - first; }
   Index height() const { return static_cast<Index>(rows.size()); }
 };
-
-/// Returns the place of each row in an order that keeps L sparse (approximate minimum degree: Amestoy, Davis,
-/// Duff 1996).
-Eigen::VectorXi sparseOrder(const Sparse& matrix) {
-  const Sparse both = matrix.selfadjointView<Eigen::Lower>();
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-  Eigen::AMDOrdering<int>()(both, order);
-  return order.inverse().eval().indices();
-}
 
 /// Returns the lower triangle of  P A P^T.
 Sparse reordered(const Sparse& matrix, const Eigen::VectorXi& place) {

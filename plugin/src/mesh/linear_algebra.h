@@ -63,6 +63,10 @@ Eigen::MatrixXd orthogonalColumns(const Eigen::MatrixXd& columns, Eigen::Index c
 
 // --- sparse matrices ---------------------------------------------------------------------------------------
 
+/// Returns the place of each row in an order that keeps the factor of a symmetric matrix sparse (approximate
+/// minimum degree: Amestoy, Davis, Duff 1996). Reads only the lower triangle, and no values.
+Eigen::VectorXi sparseOrder(const Eigen::SparseMatrix<double>& matrix);
+
 /// P A P^T = L D L^T of a symmetric matrix A, with a permutation P that keeps L sparse. There is no pivoting.
 struct SparseFactor {
   Eigen::SparseMatrix<double> lower;  ///< L without its diagonal, which is 1

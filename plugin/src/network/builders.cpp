@@ -29,7 +29,7 @@ std::string checkSize(const char* name, double value) {
   return std::isfinite(value) && value > 0.0 ? std::string() : mustBe(name, value, "above 0");
 }
 
-std::string checkNotNegative(const char* name, double value) {
+std::string checkZeroOrMore(const char* name, double value) {
   return std::isfinite(value) && value >= 0.0 ? std::string() : mustBe(name, value, "0 or more");
 }
 
@@ -38,8 +38,8 @@ std::string check(const RopeSettings& settings) {
   if (reason.empty() && settings.segments == 0) reason = mustBe("segments", 0.0, "1 or more");
   if (reason.empty() && settings.segments > kMaxRopePoints)
     reason = mustBe("segments", settings.segments, "at most ten million");
-  if (reason.empty()) reason = checkNotNegative("bendingScale", settings.bendingScale);
-  if (reason.empty()) reason = checkNotNegative("thickness", settings.thickness);
+  if (reason.empty()) reason = checkZeroOrMore("bendingScale", settings.bendingScale);
+  if (reason.empty()) reason = checkZeroOrMore("thickness", settings.thickness);
   return reason;
 }
 
@@ -95,10 +95,10 @@ std::string check(const ClothSettings& settings) {
   const double points = (settings.columns + 1.0) * (settings.rows + 1.0);
   if (reason.empty() && points > 1e7)
     reason = mustBe("the number of points, (columns + 1) (rows + 1),", points, "at most ten million");
-  if (reason.empty()) reason = checkNotNegative("shearScale", settings.shearScale);
-  if (reason.empty()) reason = checkNotNegative("bendingScale", settings.bendingScale);
-  if (reason.empty()) reason = checkNotNegative("thickness", settings.thickness);
-  if (reason.empty() && settings.masses > MassRule::Moments) reason = "masses is none of the rules";
+  if (reason.empty()) reason = checkZeroOrMore("shearScale", settings.shearScale);
+  if (reason.empty()) reason = checkZeroOrMore("bendingScale", settings.bendingScale);
+  if (reason.empty()) reason = checkZeroOrMore("thickness", settings.thickness);
+  if (reason.empty() && settings.masses > MassRule::Moments) reason = "masses is no value of MassRule";
   return reason;
 }
 
@@ -272,8 +272,8 @@ std::string checkSettings(const NetworkSettings& s) {
     return "maxBracesPerPoint is " + std::to_string(s.maxBracesPerPoint) + ", must be above 0";
   if (!finite(s.timeLimit) || s.timeLimit < 0.0)
     return "timeLimit is " + std::to_string(s.timeLimit) + ", must be 0 or more";
-  if (s.braces > BraceRule::Pipeline) return "braces is none of the rules";
-  if (s.masses > MassRule::Moments) return "masses is none of the rules";
+  if (s.braces > BraceRule::Pipeline) return "braces is no value of BraceRule";
+  if (s.masses > MassRule::Moments) return "masses is no value of MassRule";
   return {};
 }
 

@@ -37,7 +37,7 @@ std::string checkSettings(const CookSettings& s) {
     return "points is " + std::to_string(s.points) + ", must be 8 or more, or 0";
   if (s.mode > CookMode::Braces) return "mode is none of the modes";
   if (s.skin && *s.skin > SkinKind::Barycentric) return "skin must be one of SkinKind's";
-  if (s.pieces > PieceRule::Connected) return "pieces is none of the rules";
+  if (s.pieces > PieceRule::Connected) return "pieces is no value of PieceRule";
   return checkWrapSettings(s.wrap, "wrap.");
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "solver/block_matrix.h"
 
-#include <Eigen/OrderingMethods>
+#include "mesh/linear_algebra.h"
+
 #include <Eigen/SparseCore>
 
 #include <algorithm>
@@ -15,24 +16,17 @@ using Eigen::Vector3d;
 /// The rows below the diagonal of each column of L.
 using Columns = std::vector<std::vector<std::uint32_t>>;
 
-/// Returns the place of each point in an order that keeps L sparse (approximate minimum degree: Amestoy,
-/// Davis, Duff 1996).
+/// Returns the place of each point in an order that keeps L sparse.
 std::vector<std::uint32_t> sparseOrder(const std::vector<PointPair>& joined, std::size_t points) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::uint32_t i = 0; i < points; ++i) entries.emplace_back(i, i, 1.0);
-  for (const PointPair& pair : joined) {
-    entries.emplace_back(pair[0], pair[1], 1.0);
-    entries.emplace_back(pair[1], pair[0], 1.0);
-  }
+  for (const PointPair& pair : joined)
+    entries.emplace_back(std::max(pair[0], pair[1]), std::min(pair[0], pair[1]), 1.0);
   const auto size = static_cast<Eigen::Index>(points);
   Eigen::SparseMatrix<double> graph(size, size);
   graph.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-  Eigen::AMDOrdering<int>()(graph, order);
-  std::vector<std::uint32_t> place(points);
-  for (Eigen::Index k = 0; k < size; ++k)
-    place[static_cast<std::size_t>(order.indices()[k])] = static_cast<std::uint32_t>(k);
-  return place;
+  const Eigen::VectorXi place = limber::sparseOrder(graph);
+  return {place.begin(), place.end()};
 }
 
 void addUnique(std::vector<std::uint32_t>& to, std::vector<std::uint32_t>& added) {
