@@ -6,6 +6,7 @@
 #pragma once
 
 #include "bullet/bullet_objects.h"
+#include "bullet/rigid_partners.h"
 #include "solver/contacts.h"
 #include "solver/links.h"
 
@@ -26,36 +27,6 @@ struct ContactSpeeds;
 struct MovingObjects;
 struct SoftBodyData;
 struct StoredImpulse;
-
-// --- rigid bodies that take part ---------------------------------------------------------------------------
-
-/// A rigid body of the user in a link or contact with soft bodies. It is stepped in the substeps. Like a
-/// point mass, it then gets its mean velocity in the tick.
-struct RigidPartner {
-  btRigidBody* body = nullptr;
-  bool held = false;           ///< static, kinematic or out of the simulation
-  ObjectHandle handle;         ///< of the body
-  btTransform lastPose;        ///< at the end of the last tick
-  RigidState start;            ///< at the start of the tick
-  btVector3 expectedVelocity;  ///< after the tick if nothing else acts
-  btVector3 expectedAngularVelocity;
-  Eigen::Vector3d turn;  ///< radians, of the tick if nothing else acts
-};
-
-/// The body must be in the world.
-RigidPartner makePartner(btRigidBody& body);
-
-/// Fills `state` from Bullet's body.
-void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
-
-/// Makes a held body, while kinematic ones are Rewound, start where it was placed instead of at its last
-/// pose.
-void startFromPlace(RigidPartner& partner, RigidState& state, btScalar tick);
-
-/// Like writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on the
-/// written velocity, where it is compensated, and on the velocity at the end.
-void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
-void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
 
 // --- the contacts of a tick --------------------------------------------------------------------------------
 
