@@ -184,8 +184,8 @@ struct LimitedCloth {
   std::optional<Skeleton> skeleton;
 };
 
-/// m: a point of 2 g or less on a spring of 100 N/m, at rest.
-constexpr double kGivesWay = 0.1 / 36.0 * 10.0 / 100.0;
+/// m: a point of 4 g or less on a spring of 100 N/m, at rest.
+constexpr double kGivesWay = 0.1 / 25.0 * 10.0 / 100.0;
 
 TEST(BoundSkeleton, limitedPointsFallAsFarAsTheyMay) {
   LimitedCloth cloth(-10.0, 0.05, -1.0);

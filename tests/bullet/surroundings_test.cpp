@@ -34,18 +34,11 @@ SoftBody* addPlate(SurroundingsTest& world) {
   return world.add(solidOf(small_meshes::cube(2)), s);
 }
 
-/// A cloth of 1 m x 1 m whose points have the masses of the areas around them.
-SharedNetwork evenCloth(std::uint32_t cells) {
+/// Of 1 m x 1 m.
+SharedNetwork clothOf(std::uint32_t cells) {
   ClothSettings c;
   c.columns = c.rows = cells;
-  SpringNetwork network = **buildCloth(c);
-  std::vector<double> area(network.restPoints.size(), 0.0);
-  double sum = 0.0;
-  for (const Triangle& t : network.surface)
-    for (const std::uint32_t corner : t) area[corner] += 1.0, sum += 1.0;
-  for (double& a : area) a /= sum;
-  network.massFractions = area;
-  return std::make_shared<const SpringNetwork>(std::move(network));
+  return *buildCloth(c);
 }
 
 SoftBodySettings clothSettings(double mass) {
@@ -66,7 +59,7 @@ std::vector<Vector3d> swungCloth(double tick) {
   SoftBodySystem system(*bullet.world);
   SoftBodySettings s = clothSettings(0.5);
   s.position = {0, 2, 0};
-  SoftBody* body = *system.createBody(evenCloth(8), s);
+  SoftBody* body = *system.createBody(clothOf(8), s);
   for (std::uint32_t i = 0; i < 9; ++i) body->pin(i);
   for (int i = 0; i < static_cast<int>(std::lround(1.0 / tick)); ++i)
     bullet.world->stepSimulation(static_cast<btScalar>(tick), 0);
@@ -114,6 +107,16 @@ TEST_F(SurroundingsTest, aPlateBroadsideGetsFasterByTheClosedForm) {
   }
 }
 
+/// Its points have the masses of their shares of the area. Otherwise its border would overtake its middle.
+TEST_F(SurroundingsTest, aClothFallsFlatAtItsTerminalSpeed) {
+  SoftBodySettings s = usualSettings();
+  s.flow.drag = 1.17;
+  s.flow.linearDrag = 0.0;
+  const SoftBody* cloth = add(clothOf(16), s);
+  bullet.simulate(10.0);
+  EXPECT_NEAR(fallOf(*cloth), std::sqrt(2.0 * s.totalMass * kGravity / (1.2 * 1.17)), 0.01);
+}
+
 TEST_F(SurroundingsTest, aBallFallsAtItsTerminalSpeed) {
   const TriangleMesh mesh = small_meshes::icosphere(2);
   double frontal = 0.0;
@@ -138,7 +141,7 @@ TEST_F(SurroundingsTest, aFlagHangsAtTheAngleOfItsLoads) {
     s.extensionStiffness = s.compressionStiffness = 4000.0;
     s.damping = 2.0;
     s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Vector3d::UnitX());
-    SoftBody* flag = add(evenCloth(8), s);
+    SoftBody* flag = add(clothOf(8), s);
     for (std::uint32_t i = 0; i <= 8; ++i) ASSERT_TRUE(flag->pin(i));
     setWind({0, 0, wind});
     bullet.simulate(20.0);
@@ -156,10 +159,7 @@ TEST_F(SurroundingsTest, aRopeFallsAtTheTerminalSpeedOfACylinder) {
   s.pointRadius = 0.01;
   s.damping = 0.1;
   s.flow.linearDrag = 0.0;
-  SpringNetwork network = **buildRope();
-  for (double& fraction : network.massFractions) fraction = 1.0 / 16.0;
-  network.massFractions.front() = network.massFractions.back() = 0.5 / 16.0;
-  const SoftBody* rope = add(std::make_shared<const SpringNetwork>(network), s);
+  const SoftBody* rope = add(*buildRope(), s);
   bullet.simulate(20.0);
   EXPECT_NEAR(fallOf(*rope), std::sqrt(2.0 * 0.1 * kGravity / (1.2 * 1.2 * 0.02)), 0.05);
 }
@@ -172,7 +172,7 @@ TEST_F(SurroundingsTest, aHurricaneNeverMakesALooseClothFasterThanItself) {
     for (const double mass : {0.01, 1.0}) {
       SoftBodySettings s = clothSettings(mass);
       s.flow.lift = 0.0;
-      SoftBody* cloth = add(evenCloth(6), s);
+      SoftBody* cloth = add(clothOf(6), s);
       double energy = 0.5 * mass * wind.squaredNorm();
       for (int i = 0; i < 60; ++i) {
         bullet.tick(tick);
@@ -191,7 +191,7 @@ TEST_F(SurroundingsTest, aPinnedClothStaysFiniteInAHurricane) {
   air.wind = {0, 0, 70};
   air.windAt = gusts(air.wind, 20.0, 2.0);
   ASSERT_TRUE(system.setAir(air));
-  SoftBody* cloth = add(evenCloth(8), clothSettings(0.05));
+  SoftBody* cloth = add(clothOf(8), clothSettings(0.05));
   ASSERT_TRUE(cloth->pin(0));
   ASSERT_TRUE(cloth->pin(8));
   for (int i = 0; i < 300; ++i) {
@@ -309,7 +309,7 @@ TEST(SurroundedSteppers, haveTheSameTerminalSpeed) {
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s = clothSettings(0.5);
     s.stepping.stepper = stepper;
-    const SoftBody* cloth = *system.createBody(evenCloth(4), s);
+    const SoftBody* cloth = *system.createBody(clothOf(4), s);
     bullet.simulate(8.0);
     EXPECT_EQ(cloth->stepper(), stepper);
     EXPECT_NEAR(fallOf(*cloth), std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.2)), 0.02) << int(stepper);

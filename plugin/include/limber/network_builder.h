@@ -81,7 +81,8 @@ struct RopeSettings {
   double thickness = 0.0;       ///< m, the diameter, for withMaterial(); 0: unknown
 };
 
-/// Builds a chain of points along +x. Errors: length not above 0, no segments, more than ten million points,
+/// Builds a chain of points along +x with the masses of a uniform rope: its ends have half of the mass of the
+/// others. Errors: length not above 0, no segments, more than ten million points,
 /// negative bending scale or thickness.
 LIMBER_API Result<SharedNetwork> buildRope(const RopeSettings& settings = {});
 
@@ -94,9 +95,8 @@ struct ClothSettings {
   double bendingScale = 0.1;   ///< skip-one springs along x and z; 0 leaves them out
   double thickness = 0.0;      ///< m, for withMaterial(); 0: unknown
   /// Area and Moments: of a uniform sheet, whose border points have half of the mass of the others, corners a
-  /// quarter. It takes a quarter more substeps. With equal masses the border of a sheet that falls freely in
-  /// air overtakes the middle.
-  MassRule masses = MassRule::Equal;
+  /// quarter. With equal masses the border of a sheet that falls freely in air overtakes the middle.
+  MassRule masses = MassRule::Area;
 };
 
 /// Builds a sheet in the plane y = 0, centred at the origin, normal +y. Point (column i, row j) has the
@@ -106,6 +106,9 @@ struct ClothSettings {
 ///     o---o---o     structural: along x and z
 ///     | X | X |     shear:      both diagonals
 ///     o---o---o     bending:    o-------o  every second point along x and z
+///
+/// Springs along the border have half the stiffness of the others: like the masses, they stand for half a
+/// cell.
 LIMBER_API Result<SharedNetwork> buildCloth(const ClothSettings& settings = {});
 
 // --- networks of a material --------------------------------------------------------------------------------

@@ -70,7 +70,8 @@ Result<SharedNetwork> buildRope(const RopeSettings& settings) {
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Rope;
   network->restPoints = ropePoints(settings.length, settings.segments);
-  network->massFractions.assign(settings.segments + 1, 1.0 / (settings.segments + 1.0));
+  network->massFractions.assign(settings.segments + 1, 1.0 / settings.segments);
+  network->massFractions.front() = network->massFractions.back() = 0.5 / settings.segments;
   network->springs = ropeSprings(settings.segments, settings.bendingScale);
   network->thickness = settings.thickness;
   return SharedNetwork(std::move(network));
@@ -107,18 +108,21 @@ std::string check(const ClothSettings& settings) {
 ///     (i, j)    (i+1, j)  (i+2, j)       structural, bending
 ///     (i-1, j+1)  (i, j+1)  (i+1, j+1)   shear, structural, shear
 ///               (i, j+2)                 bending
+///
+/// Those along the border stand for a strip of half a cell.
 void addSpringsOfPoint(const Grid& grid, const ClothSettings& settings, std::uint32_t i, std::uint32_t j,
                        std::vector<NetworkSpring>& springs) {
   const auto join = [&](std::uint32_t column, std::uint32_t row, SpringKind kind, double scale) {
     if (column > grid.columns || row > grid.rows || scale == 0.0) return;
     springs.push_back({grid.at(i, j), grid.at(column, row), kind, scale});
   };
-  join(i + 1, j, SpringKind::Structural, 1.0);
-  join(i + 2, j, SpringKind::Bending, settings.bendingScale);
+  const double strip = j == 0 || j == grid.rows ? 0.5 : 1.0, column = i == 0 || i == grid.columns ? 0.5 : 1.0;
+  join(i + 1, j, SpringKind::Structural, strip);
+  join(i + 2, j, SpringKind::Bending, strip * settings.bendingScale);
   if (i > 0) join(i - 1, j + 1, SpringKind::Shear, settings.shearScale);
-  join(i, j + 1, SpringKind::Structural, 1.0);
+  join(i, j + 1, SpringKind::Structural, column);
   join(i + 1, j + 1, SpringKind::Shear, settings.shearScale);
-  join(i, j + 2, SpringKind::Bending, settings.bendingScale);
+  join(i, j + 2, SpringKind::Bending, column * settings.bendingScale);
 }
 
 std::vector<NetworkSpring> clothSprings(const Grid& grid, const ClothSettings& settings) {
