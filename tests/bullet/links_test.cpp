@@ -283,6 +283,24 @@ TEST(Pin, keepsTheMassThatTheUserHasGivenAPoint) {
   EXPECT_NEAR(body->totalMass(), 0.875 + 3.0, 1e-6) << "given while it was pinned";
 }
 
+/// In the same pause between two ticks. What the user has moved is where it is.
+TEST(Pin, holdsAndLetsGoWhereAPointWasMoved) {
+  for (const bool pinnedBefore : {false, true}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+    if (pinnedBefore) body->pin(7);
+    bullet.tick();
+    const Eigen::Vector3d start = body->position(7);
+    for (std::uint32_t i = 0; i < body->pointCount(); ++i)
+      body->point(i)->getWorldTransform().getOrigin() += test::vec(0.5, 0, 0);
+    ASSERT_TRUE(pinnedBefore ? body->unpin(7) : body->pin(7));
+    bullet.tick();
+    EXPECT_NEAR((body->position(7) - start).x(), 0.5, 1e-6) << pinnedBefore;
+    EXPECT_LT(body->kineticEnergy() + body->elasticEnergy(), 1e-6) << pinnedBefore;
+  }
+}
+
 TEST(Pin, moveAlongAPathDragsTheBody) {
   BulletWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);

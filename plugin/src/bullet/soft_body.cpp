@@ -181,7 +181,9 @@ Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is n
 Result<void> SoftBody::pin(std::uint32_t i) {
   if (!point(i)) return noPoint(*this, i);
   if (!alive()) return notAlive();
-  if (!pinned(i)) setPinned(*data_, i, true);
+  if (pinned(i)) return {};
+  readFromBullet(*data_);
+  setPinned(*data_, i, true);
   return {};
 }
 
@@ -202,6 +204,9 @@ Result<void> SoftBody::unpin(std::uint32_t i) {
   if (i >= pointCount()) return noPoint(*this, i);
   if (!pinned(i)) return point(i) ? notPinned(i) : noPoint(*this, i);
   if (!alive()) return notAlive();
+  readFromBullet(*data_);
+  const btVector3& place = data_->masses.bodies[i]->getWorldTransform().getOrigin();
+  if (place != data_->masses.leftPosition[i]) data_->state.position.col(i) = toEigen(place);  // it was moved
   setPinned(*data_, i, false);
   wake();
   return {};
