@@ -246,7 +246,7 @@ void steadyForces(const SoftBodyData& body, const Lift& lift, const WaterPlane& 
 }
 
 void massesHaveChanged(SoftBodyData& body) {
-  body.springs.damperTime = 0.0;
+  body.springs.preparedFor = 0.0;
   ++body.springs.revision;
   body.frequencyStale = true;
 }

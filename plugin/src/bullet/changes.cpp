@@ -460,7 +460,7 @@ void forgetConstants(SoftBodyData& body) {
   body.volumes.constants = body.model->volumes.constants;
   body.tetrahedra.constants = body.model->tetrahedra.constants;
   ++body.springs.revision;
-  body.springs.damperTime = 0.0;
+  body.springs.preparedFor = 0.0;
   body.softening.reset();
   body.springBatches.reset();
   body.implicit.reset();

@@ -128,7 +128,7 @@ void updateInverseMass(SoftBodyData& body, std::uint32_t i) {
   const Eigen::Vector3d w = inverseMass(*body.masses.bodies[i], body.masses.held[i]);
   if (w == body.state.inverseMass.col(i)) return;
   body.frequencyStale = true;
-  body.springs.damperTime = 0.0;
+  body.springs.preparedFor = 0.0;
   ++body.springs.revision;
   body.state.inverseMass.col(i) = w;
 }

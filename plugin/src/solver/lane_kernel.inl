@@ -16,8 +16,15 @@ const Pack* packs(const double* numbers) { return reinterpret_cast<const Pack*>(
 
 void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
   Body<Pack> body;
-  body.springs = {b.springs,         b.a, b.b, b.restLength, b.extensionStiffness, b.compressionStiffness,
-                  packs(b.direction)};
+  body.springs = {b.springs,
+                  b.a,
+                  b.b,
+                  b.restLength,
+                  b.extensionStiffness,
+                  b.compressionStiffness,
+                  packs(b.direction),
+                  b.stretch ? packs(b.stretch) : nullptr,
+                  b.crossingLoss};
   body.points = {b.points,       packs(b.position),     packs(b.velocity),
                  packs(b.force), packs(b.acceleration), packs(b.inverseMass)};
   const VolumeBody& v = b.volumes;

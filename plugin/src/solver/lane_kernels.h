@@ -63,6 +63,8 @@ struct LaneBody {
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
   double* direction;
+  double* stretch;             ///< scratch; nullptr: no spring has two stiffnesses
+  const double* crossingLoss;  ///< see crossingForce()
   VolumeBody volumes;
   TetrahedronBody tetrahedra;
   unsigned planes;  ///< see Planes
@@ -98,7 +100,9 @@ struct SpringBatchBody {
   double *position, *velocity, *force, *earlierForce;
   const double *acceleration, *inverseMass;
   const double *restLength, *extensionStiffness, *compressionStiffness;
-  double* inverseLength;  ///< output: 1/m, 0 while slack
+  double* inverseLength;       ///< output: 1/m, 0 while slack
+  double* stretch;             ///< scratch; nullptr: no spring has two stiffnesses
+  const double* crossingLoss;  ///< see crossingForce()
   VolumeBody volumes;  ///< one number per component; 4 doubles per point in gradient, 8 per component in sums
   TetrahedronBody tetrahedra;
   int sweeps;  ///< over the dampers in a substep; 0: no dampers
@@ -117,8 +121,8 @@ double stepSpringBatches(const SpringBatchBody& body, double tick, int substeps)
 
 /// The parts of this step, for bodies that are stepped together with others or by several threads. Each is
 /// computed for some points, springs or tetrahedra; `begin` and `end` are multiples of four. They need AVX2
-/// or NEON.
-void addBatchSprings(const SpringBatchBody& body, unsigned begin, unsigned end);
+/// or NEON. `crossing`: the share of crossingForce().
+void addBatchSprings(const SpringBatchBody& body, unsigned begin, unsigned end, double crossing);
 void addBatchVolumes(const SpringBatchBody& body);
 void addBatchTetrahedra(const SpringBatchBody& body, unsigned begin, unsigned end);
 void clearBatchForces(const SpringBatchBody& body, const BatchPoints& points);

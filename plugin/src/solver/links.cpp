@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace limber {
 
@@ -163,6 +164,21 @@ bool isSlack(const LinkSpring& s, double squaredLength) {
          (s.compressionStiffness == 0.0 && squaredLength <= square);
 }
 
+/// Adds to both ends the share of kernel::crossingForce() of a spring that has passed its rest length in a
+/// substep of dt seconds, from the length `earlier` (m) to the offset `d` (m) of its ends.
+void addCrossing(LinkedBodies& bodies, const LinkSpring& s, double earlier, const Vector3d& d, double dt,
+                 double share) {
+  const double length = d.norm();
+  if (!(length > 0.0)) return;
+  const Vector3d n = d / length;
+  const double w = mobilityAlong(bodies, s.a, n) + mobilityAlong(bodies, s.b, n);
+  const double force = share * kernel::crossingForce(earlier - s.restLength, length - s.restLength,
+                                                     s.extensionStiffness - s.compressionStiffness,
+                                                     kernel::kCrossingLoss * dt * dt * w);
+  addForce(bodies, s.a, force * n);
+  addForce(bodies, s.b, -force * n);
+}
+
 void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
   const Vector3d& n = s.direction;
   const double w = mobilityAlong(bodies, s.a, n) + mobilityAlong(bodies, s.b, n);
@@ -176,14 +192,19 @@ void dampLink(LinkedBodies& bodies, const LinkSpring& s, double dt) {
 
 Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end) { return positionAt(bodies, end); }
 
-void addLinkForces(LinkedBodies& bodies) {
+void addLinkForces(LinkedBodies& bodies, double dt, double crossing) {
   bodies.taut.clear();
   bodies.taut.reserve(bodies.springs.capacity());
   for (std::size_t i = 0; i < bodies.springs.size(); ++i) {
     LinkSpring& s = bodies.springs[i];
     const Vector3d d = positionAt(bodies, s.b) - positionAt(bodies, s.a);
+    const double earlier = std::exchange(s.squaredLength, d.squaredNorm()),
+                 rest = s.restLength * s.restLength;
+    if (s.extensionStiffness != s.compressionStiffness && crossing > 0.0 &&
+        (earlier < rest) != (s.squaredLength < rest))
+      addCrossing(bodies, s, std::sqrt(earlier), d, dt, crossing);
     s.force = 0.0;
-    if (isSlack(s, d.squaredNorm())) continue;
+    if (isSlack(s, s.squaredLength)) continue;
     const SpringPull pull = springPull(d, s.restLength, s.extensionStiffness, s.compressionStiffness);
     s.direction = pull.direction;
     s.force = pull.force;

@@ -86,6 +86,7 @@ struct LinkEnd {
 struct LinkSpring {
   LinkEnd a, b;
   double restLength = 0.0, extensionStiffness = 0.0, compressionStiffness = 0.0, damping = 0.0;
+  double squaredLength = 0.0;                           ///< m^2, at the last forces
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< from a to b, while it is taut
   double force = 0.0;                                   ///< N, positive: pulls
 };
@@ -146,7 +147,7 @@ struct LinkedBodies {
 };
 
 /// Adds the force of every link to both its ends, and stores its direction and which are taut.
-void addLinkForces(LinkedBodies& bodies);
+void addLinkForces(LinkedBodies& bodies, double dt, double crossing);
 
 /// Moves the ends in the world for `dt` seconds.
 void driftLinks(LinkedBodies& bodies, double dt);

@@ -89,6 +89,7 @@ void reserve(const Lanes& lanes) {
                       &s.start, &s.gradient})
     reserveNumbers(*array, 3 * points * lanes.count);
   reserveNumbers(s.direction, 3 * first.springs->size() * lanes.count);
+  if ((*first.springs)->kinked) reserveNumbers(s.stretch, first.springs->size() * lanes.count);
   if (first.volumes) reserveNumbers(s.sums, first.volumes->sums.size() * lanes.count);
   reserveNumbers(s.motion, sizeof(MotionSums) / sizeof(double) * lanes.count);
 }
@@ -281,6 +282,8 @@ kernel::LaneBody laneBody(const Lanes& lanes, const kernel::ContactCalls& contac
   body.extensionStiffness = springs->extensionStiffness.data();
   body.compressionStiffness = springs->compressionStiffness.data();
   body.direction = numbers(s.direction);
+  body.stretch = springs->kinked ? numbers(s.stretch) : nullptr;
+  body.crossingLoss = springs.crossingLoss.data();
   body.sweeps = springs.sweeps;
   body.dampHalf = springs.dampHalf.data(), body.dampFull = springs.dampFull.data();
   body.volumes = laneVolumes(lanes);
@@ -353,7 +356,7 @@ void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratc
                InstructionSet set) {
   const double dt = tick / substeps;
   const Lanes lanes{bodies, count, static_cast<std::size_t>(laneCount(set)), dt, scratch};
-  prepareDampers(*lanes.first().springs, lanes.first().points->inverseMass, dt);
+  prepareSprings(*lanes.first().springs, lanes.first().points->inverseMass, dt);
   prepareVolumes(lanes.first(), dt);
   reserve(lanes);
   load(lanes);

@@ -34,7 +34,7 @@ const char* nameOf(InstructionSet set);
 /// bodies share it, because the scratches of thousands of bodies would not fit into the caches.
 struct LaneScratch {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce, start;  // 3 x #points
-  AlignedNumbers direction;                                                                  // 3 x #springs
+  AlignedNumbers direction, stretch;            // 3 x #springs, #springs
   AlignedNumbers gradient, sums;                // 3 x #points, 4 x #components
   AlignedNumbers motion;                        // a MotionSums
   AlignedNumbers regionCenter, regionDistance;  // 3 x #points, #points

@@ -10,7 +10,7 @@ namespace limber::kernel {
 // never called, see canStepSpringBatches()
 double stepSpringBatches(const SpringBatchBody&, double, int) { return 0.0; }
 void clearBatchForces(const SpringBatchBody&, const BatchPoints&) {}
-void addBatchSprings(const SpringBatchBody&, unsigned, unsigned) {}
+void addBatchSprings(const SpringBatchBody&, unsigned, unsigned, double) {}
 void addBatchVolumes(const SpringBatchBody&) {}
 void addBatchTetrahedra(const SpringBatchBody&, unsigned, unsigned) {}
 void kickBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
@@ -95,7 +95,12 @@ void loadSprings(SpringBatchArrays& q, const SpringArrays& springs) {
   copy(springs->compressionStiffness, q.compressionStiffness);
   copy(springs.dampHalf, q.dampHalf);
   copy(springs.dampFull, q.dampFull);
-  q.sameStiffness = springs->extensionStiffness == springs->compressionStiffness;
+  q.sameStiffness = !springs->kinked;
+  if (springs->kinked) {
+    reserveNumbers(q.stretch, q.springs);
+    reserveNumbers(q.crossingLoss, q.springs);
+    copy(springs.crossingLoss, q.crossingLoss);
+  }
   q.revision = springs.revision;
 }
 
@@ -170,6 +175,8 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
   // if both are the same, the kernel reads one array less
   body.compressionStiffness = numbers(q.sameStiffness ? q.extensionStiffness : q.compressionStiffness);
   body.inverseLength = numbers(q.inverseLength);
+  body.stretch = q.sameStiffness ? nullptr : numbers(q.stretch);
+  body.crossingLoss = q.sameStiffness ? nullptr : numbers(q.crossingLoss);
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
   body.volumes = batchVolumes(q, stepped.volumes);
   body.tetrahedra = batchTetrahedra(q, stepped.tetrahedra);

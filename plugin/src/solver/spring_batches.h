@@ -16,8 +16,8 @@ namespace limber {
 /// missing springs have no stiffness and no damping.
 struct SpringBatchArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
-  AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf,
-      dampFull;                                // #springs, padded
+  AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf, dampFull,
+      stretch, crossingLoss;                   // #springs, padded; the last two if any has two stiffnesses
   bool sameStiffness = false;                  // extended and compressed, for all springs
   AlignedNumbers gradient, sums;               // of the volume: 4 x (#points + 2), 8 x #components
   AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, padded

@@ -31,8 +31,18 @@ void pullTogether(const SpringBatchBody& b, Index spring, Quad pull, Quad direct
   fb = fb - force;
 }
 
+/// Keeps the stretch of four springs, the i-th batch. Returns their forces, with a share of crossingForce().
+Quad crossedForce(const SpringBatchBody& b, Index i, const Pull<Quad>& pull, double share) {
+  Quad& stretch = springBatches(b.stretch)[i];
+  const Quad difference = springBatches(b.extensionStiffness)[i] - springBatches(b.compressionStiffness)[i];
+  const Quad force = pull.force + all(Quad(), share) * crossingForce(stretch, pull.stretch, difference,
+                                                                     springBatches(b.crossingLoss)[i]);
+  stretch = pull.stretch;
+  return force;
+}
+
 /// Does the same as addForce() of verlet_kernel.h for four springs, from i on.
-void addForces(const SpringBatchBody& b, Index i) {
+void addForces(const SpringBatchBody& b, Index i, double crossing) {
   const Quad* x = springBatches(b.position);
   const Quad d0 = x[b.b[i]] - x[b.a[i]], d1 = x[b.b[i + 1]] - x[b.a[i + 1]];
   const Quad d2 = x[b.b[i + 2]] - x[b.a[i + 2]], d3 = x[b.b[i + 3]] - x[b.a[i + 3]];
@@ -41,10 +51,12 @@ void addForces(const SpringBatchBody& b, Index i) {
       pullOf(d.x * d.x + (d.y * d.y + d.z * d.z), springBatches(b.restLength)[i / 4],
              springBatches(b.extensionStiffness)[i / 4], springBatches(b.compressionStiffness)[i / 4]);
   springBatches(b.inverseLength)[i / 4] = p.scale;
-  pullTogether(b, i, spread<0>(p.force), d0 * spread<0>(p.scale));
-  pullTogether(b, i + 1, spread<1>(p.force), d1 * spread<1>(p.scale));
-  pullTogether(b, i + 2, spread<2>(p.force), d2 * spread<2>(p.scale));
-  pullTogether(b, i + 3, spread<3>(p.force), d3 * spread<3>(p.scale));
+  const Quad force = b.stretch ? crossedForce(b, i / 4, p, crossing) : p.force;
+  const Quad scale = b.stretch ? p.inverse : p.scale;
+  pullTogether(b, i, spread<0>(force), d0 * spread<0>(scale));
+  pullTogether(b, i + 1, spread<1>(force), d1 * spread<1>(scale));
+  pullTogether(b, i + 2, spread<2>(force), d2 * spread<2>(scale));
+  pullTogether(b, i + 3, spread<3>(force), d3 * spread<3>(scale));
 }
 
 /// Returns the direction of one of four springs, as addForces() computes it. Only the inverse length is
@@ -125,7 +137,8 @@ Vector<Quad> operator*(const Vector<Quad>& a, const Vector<Quad>& b) {
 /// Does the same as addForce() of verlet_kernel.h for the springs of batches. A batch to the next strip also
 /// reads and writes the numbers after x, y and z of its slot b: its last spring is missing, has no stiffness
 /// and no damping, and adds 0 there.
-void addStripForces(const SpringBatchBody& body, Index begin, Index end) {
+template <bool kCrossings>
+void addStripForces(const SpringBatchBody& body, Index begin, Index end, double crossing) {
   constexpr Index kX = StripBody::kPosition, kF = StripBody::kForce;
   const Index *as = body.a, *bs = body.b;
   double* slots = body.strips.numbers;
@@ -138,7 +151,8 @@ void addStripForces(const SpringBatchBody& body, Index begin, Index end) {
     const Vector<Quad> d = of(b, kX) - of(a, kX);
     const Pull<Quad> p = pullOf(dot(d, d), restLength[i], extension[i], compression[i]);
     inverseLength[i] = p.scale;
-    const Vector<Quad> force = scaled(p.force, scaled(p.scale, d));
+    const Vector<Quad> force = kCrossings ? scaled(crossedForce(body, i, p, crossing), scaled(p.inverse, d))
+                                          : scaled(p.force, scaled(p.scale, d));
     store(a, kF, of(a, kF) + force);
     store(b, kF, of(b, kF) - force);
   }
@@ -264,10 +278,13 @@ void clearBatchForces(const SpringBatchBody& b, const BatchPoints& points) {
     for (Index i = points.begin; i < points.end; ++i) f[points.numbers[i]] = all(Quad(), 0.0);
 }
 
-void addBatchSprings(const SpringBatchBody& body, Index begin, Index end) {
-  if (body.strips.slots > 0) return addStripForces(body, begin / 4, end / 4);
+void addBatchSprings(const SpringBatchBody& body, Index begin, Index end, double crossing) {
+  if (body.strips.slots > 0) {
+    if (body.stretch) return addStripForces<true>(body, begin / 4, end / 4, crossing);
+    return addStripForces<false>(body, begin / 4, end / 4, crossing);
+  }
   const SpringBatchBody b = body;
-  for (Index i = begin; i < end; i += 4) addForces(b, i);
+  for (Index i = begin; i < end; i += 4) addForces(b, i, crossing);
 }
 
 void addBatchVolumes(const SpringBatchBody& b) {
@@ -345,11 +362,11 @@ void unloadSlotVelocities(const SpringBatchBody& b, const BatchPoints& slots) {
 
 namespace {
 
-void computeForces(const SpringBatchPoints& p) {
+void computeForces(const SpringBatchPoints& p, double crossing) {
   const BatchPoints slots{0, p.b.strips.slots};
   clearBatchForces(p.b, {0, p.b.points});
   loadSlotPositions(p.b, slots);
-  addBatchSprings(p.b, 0, p.b.springs);
+  addBatchSprings(p.b, 0, p.b.springs, crossing);
   unloadSlotForces(p.b, slots);
   addBatchVolumes(p.b);
   addBatchTetrahedra(p.b, 0, p.b.tetrahedra.count);
@@ -365,11 +382,11 @@ void dampAll(const SpringBatchPoints& p, bool whole, bool forward) {
 void kick(const SpringBatchPoints& p, double dt) { kickBatchPoints(p.b, dt, {0, p.b.points}); }
 void drift(const SpringBatchPoints& p, double dt) { driftBatchPoints(p.b, dt, {0, p.b.points}); }
 
-double computeForcesAndChange(const SpringBatchPoints& p) {
+double computeForcesAndChange(const SpringBatchPoints& p, double crossing) {
   const Quad *f = springBatches(p.b.force), *w = springBatches(p.b.inverseMass);
   Quad* earlier = springBatches(p.b.earlierForce);
   for (Index i = 0; i < p.b.points; ++i) earlier[i] = f[i];
-  computeForces(p);
+  computeForces(p, crossing);
   Quad sum = all(Quad(), 0.0);
   for (Index i = 0; i < p.b.points; ++i) {
     const Quad change = (f[i] - earlier[i]) * w[i];

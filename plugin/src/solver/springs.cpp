@@ -76,6 +76,7 @@ SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& s
   // a body that tears breaks between ticks
   if (limit.tear) s.limit.breakStrain = 0.0;
   s.limited = limit.stiffenStrain > 0.0 || limit.yieldStrain > 0.0 || s.limit.breakStrain > 0.0;
+  s.kinked = limit.stiffenStrain > 0.0 || s.extensionStiffness != s.compressionStiffness;
   s.damped = settings.damping > 0.0;
   SpringArrays springs;
   springs.original = SharedConstants<SpringConstants>(std::move(s));
@@ -170,6 +171,23 @@ double stiffenedEnergy(double k, double e, double s, double factor) {
   return 0.5 * k * below * below + beyond * (k * s + 0.5 * k * factor * beyond);
 }
 
+/// Returns kernel::crossingForce() of a spring with the offset `d` (m) of its ends: where its stretch passes
+/// 0 or the limits beyond which it is stiffer.
+Eigen::Vector3d limitedCrossing(const SpringArrays& springs, std::size_t i, const Eigen::Vector3d& d) {
+  const double length = d.norm();
+  if (!(length > 0.0)) return Eigen::Vector3d::Zero();
+  const double limit = springs->limit.stiffenStrain * limitLength(springs, i);
+  const double more = limit > 0.0 ? springs->limit.stiffenFactor - 1.0 : 0.0;
+  const double extension = springs->extensionStiffness[i], compression = springs->compressionStiffness[i];
+  const double earlier = springs.stretch[i], now = length - springs->restLength[i];
+  const auto at = [&](double kink, double change) {
+    return kernel::crossingForce(earlier - kink, now - kink, change, springs.crossingLoss[i]);
+  };
+  const double force =
+      at(0.0, extension - compression) + at(limit, more * extension) + at(-limit, -more * compression);
+  return force / length * d;
+}
+
 /// Applies the elastic limits to the springs and adds their forces. L0 is the original rest length, L the
 /// present one, l the length and e = l - L. A spring
 ///
@@ -177,7 +195,7 @@ double stiffenedEnergy(double k, double e, double s, double factor) {
 ///     yields    when |e| > yieldStrain L0: L changes until |e| = yieldStrain L0, but not beyond
 ///               L0 (1 +- yieldMaximum); rate-independent, so the result does not depend on the substep
 ///     stiffens  F = k e up to |e| = s = stiffenStrain L0, then k (s + stiffenFactor (|e| - s)), signed
-void addLimitedForces(SpringArrays& springs, PointState& state) {
+void addLimitedForces(SpringArrays& springs, PointState& state, double crossing) {
   const ElasticLimit& limit = springs->limit;
   if (!springs.yielded) springs.yielded = std::make_shared<SpringConstants>(*springs.original);
   springs.direction.resize(3, static_cast<Eigen::Index>(springs.size()));
@@ -192,7 +210,9 @@ void addLimitedForces(SpringArrays& springs, PointState& state) {
       if (beyond > 0.0) pull.force += pull.force / e * std::copysign((limit.stiffenFactor - 1.0) * beyond, e);
     }
     springs.direction.col(static_cast<Eigen::Index>(i)) = pull.direction;
-    const Eigen::Vector3d force = pull.force * pull.direction;
+    Eigen::Vector3d force = pull.force * pull.direction;
+    if (springs->kinked && crossing > 0.0) force += crossing * limitedCrossing(springs, i, d);
+    if (!springs.stretch.empty()) springs.stretch[i] = d.norm() - springs->restLength[i];
     state.force.col(springs->a[i]) += force;
     state.force.col(springs->b[i]) -= force;
   }
@@ -202,13 +222,13 @@ void addLimitedForces(SpringArrays& springs, PointState& state) {
 
 // --- forces ------------------------------------------------------------------------------------------------
 
-void computeSpringForces(SpringArrays& springs, PointState& state) {
+void computeSpringForces(SpringArrays& springs, PointState& state, double crossing) {
   if (springs->limited) {
     state.allocateForces();
     state.force.setZero();
-    addLimitedForces(springs, state);
+    addLimitedForces(springs, state, crossing);
   } else {
-    kernel::computeForces(kernelSprings(springs), kernelPoints(state));
+    kernel::computeForces(kernelSprings(springs), kernelPoints(state), crossing);
   }
 }
 
@@ -249,13 +269,14 @@ int sweepsFor(const SpringArrays& springs, const Points& inverseMass, double dt)
   return static_cast<int>(std::clamp(std::ceil(mean / kLargestMean), 1.0, double(kMostSweeps)));
 }
 
-}  // namespace
+void prepareCrossings(SpringArrays& springs, const Points& inverseMass, double dt) {
+  springs.stretch.resize(springs.size());
+  springs.crossingLoss.resize(springs.size());
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    springs.crossingLoss[i] = kernel::kCrossingLoss * dt * dt * inverseMassesOf(springs, inverseMass, i);
+}
 
 void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt) {
-  if (!springs->damped) springs.sweeps = 0;
-  if (!springs->damped || springs.damperTime == dt) return;
-  springs.damperTime = dt;
-  ++springs.revision;
   springs.dampHalf.resize(springs.size());
   springs.dampFull.resize(springs.size());
   springs.sweeps = springs.oneSweep ? 1 : sweepsFor(springs, inverseMass, dt);
@@ -267,8 +288,19 @@ void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt)
   }
 }
 
+}  // namespace
+
+void prepareSprings(SpringArrays& springs, const Points& inverseMass, double dt) {
+  if (!springs->damped) springs.sweeps = 0;
+  if ((!springs->damped && !springs->kinked) || springs.preparedFor == dt) return;
+  springs.preparedFor = dt;
+  ++springs.revision;
+  if (springs->kinked) prepareCrossings(springs, inverseMass, dt);
+  if (springs->damped) prepareDampers(springs, inverseMass, dt);
+}
+
 void limitSweeps(SpringArrays& springs, bool oneSweep) {
-  if (std::exchange(springs.oneSweep, oneSweep) != oneSweep) springs.damperTime = 0.0;
+  if (std::exchange(springs.oneSweep, oneSweep) != oneSweep) springs.preparedFor = 0.0;
 }
 
 void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,

@@ -34,6 +34,7 @@ struct SpringConstants {
 
   ElasticLimit limit;
   bool limited = false;  ///< whether any limit of `limit` is enabled
+  bool kinked = false;   ///< whether the stiffness of any spring changes with its length
 };
 
 /// The springs of one body. `->` accesses their present constants.
@@ -44,13 +45,15 @@ struct SpringArrays {
   std::size_t broken = 0;                     ///< number of broken springs
 
   // Written by the step; empty before the first use.
-  Points direction;              ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
-  std::vector<double> dampHalf;  ///< kg, impulse per closing speed in a sweep of half a substep
-  std::vector<double> dampFull;  ///< the same of a whole substep
-  int sweeps = 0;           ///< sweeps over the dampers in each substep, see prepareDampers(); 0: no dampers
-  bool oneSweep = false;    ///< no more sweeps: fewer substeps than needed are a promise of time
-  double damperTime = 0.0;  ///< s, substep of dampHalf and dampFull; 0 after a change of an inverse mass
-  unsigned revision = 1;    ///< counts the changes of constants, dampers and inverse masses
+  Points direction;                  ///< 3 x #springs, unit vector from a to b, 0 while the spring is slack
+  std::vector<double> dampHalf;      ///< kg, impulse per closing speed in a sweep of half a substep
+  std::vector<double> dampFull;      ///< the same of a whole substep
+  std::vector<double> stretch;       ///< m, at the last forces, and
+  std::vector<double> crossingLoss;  ///< m/N, see kernel::crossingForce(); both empty unless `kinked`
+  int sweeps = 0;            ///< sweeps over the dampers in each substep, see prepareDampers(); 0: no dampers
+  bool oneSweep = false;     ///< no more sweeps: fewer substeps than needed are a promise of time
+  double preparedFor = 0.0;  ///< s, substep of these; 0 after a change of an inverse mass
+  unsigned revision = 1;     ///< counts the changes of constants, dampers and inverse masses
 
   const SpringConstants* operator->() const { return yielded ? yielded.get() : &*original; }
   std::size_t size() const { return original->a.size(); }
@@ -93,7 +96,9 @@ inline kernel::Springs<double> kernelSprings(SpringArrays& s) {
           s->restLength.data(),
           s->extensionStiffness.data(),
           s->compressionStiffness.data(),
-          s.direction.data()};
+          s.direction.data(),
+          s.stretch.empty() ? nullptr : s.stretch.data(),
+          s.crossingLoss.data()};
 }
 
 inline kernel::Points<double> kernelPoints(PointState& p) {
@@ -123,8 +128,9 @@ inline SpringPull springPull(const Eigen::Vector3d& d, double restLength, double
   return {d * pull.scale, pull.scale > 0.0 ? pull.force : 0.0};
 }
 
-/// Sets `state.force` to the force of all springs and stores their directions for the dampers.
-void computeSpringForces(SpringArrays& springs, PointState& state);
+/// Sets `state.force` to the force of all springs and stores their directions for the dampers. `crossing`:
+/// the share of kernel::crossingForce(); above 0 only within a step.
+void computeSpringForces(SpringArrays& springs, PointState& state, double crossing = kernel::kFirstCrossing);
 
 /// Returns the elastic energy (J) of all springs with the points at `position`.
 double elasticEnergy(const SpringArrays& springs, const Points& position);
@@ -171,13 +177,13 @@ inline double inverseMassesOf(const SpringArrays& springs, const Points& inverse
   return inverseMass.col(springs->a[s]).maxCoeff() + inverseMass.col(springs->b[s]).maxCoeff();
 }
 
-/// Computes dampHalf, dampFull and sweeps for substeps of `dt` seconds, unless they are already valid for
-/// `dt`. If an end moves along some axes only, impulses may be too small, but never too large.
+/// Computes dampHalf, dampFull, sweeps and crossingLoss for substeps of `dt` seconds, unless they are already
+/// valid for `dt`. If an end moves along some axes only, impulses may be too small, but never too large.
 ///
 /// One sweep stops pairs whose z = c (wa + wb) dt is large, and slows a motion of the whole body down much
 /// less than their dampers should. So the substep is divided into up to 16 sweeps, until the mean z is at
 /// most 1.5, unless oneSweep.
-void prepareDampers(SpringArrays& springs, const Points& inverseMass, double dt);
+void prepareSprings(SpringArrays& springs, const Points& inverseMass, double dt);
 
 /// Sets oneSweep.
 void limitSweeps(SpringArrays& springs, bool oneSweep);

@@ -11,8 +11,8 @@
 
 namespace limber {
 
-void computeElasticForces(SolverBody& body) {
-  computeSpringForces(*body.springs, *body.points);
+void computeElasticForces(SolverBody& body, double crossing) {
+  computeSpringForces(*body.springs, *body.points, crossing);
   if (body.volumes) addVolumeForces(*body.volumes, *body.points);
   if (body.tetrahedra) addTetrahedronForces(*body.tetrahedra, *body.points);
 }
@@ -85,12 +85,12 @@ void clearForces(BatchedBody& body, const BodyPart& part) {
 }
 
 /// Adds the forces of springs to cleared ones; of a whole body, all forces.
-void addForces(BatchedBody& body, const BodyPart& part) {
+void addForces(BatchedBody& body, const BodyPart& part, double crossing) {
   const kernel::SpringBatchBody& b = body.springBatches;
-  if (!part.isWhole()) return kernel::addBatchSprings(b, part.begin, part.end);
-  if (!body.inBatches) return computeElasticForces(*body.stepped);
+  if (!part.isWhole()) return kernel::addBatchSprings(b, part.begin, part.end, crossing);
+  if (!body.inBatches) return computeElasticForces(*body.stepped, crossing);
   kernel::loadSlotPositions(b, slotsOf(body, part));
-  kernel::addBatchSprings(b, 0, b.springs);
+  kernel::addBatchSprings(b, 0, b.springs, crossing);
   kernel::unloadSlotForces(b, slotsOf(body, part));
   kernel::addBatchVolumes(b);
   kernel::addBatchTetrahedra(b, 0, b.tetrahedra.count);
@@ -244,20 +244,20 @@ void forEachSlab(SolverIsland& group, Team& team, Visit visit) {
 
 /// Clears the forces and adds those of the springs of the first phase. The springs inside a slab need no
 /// other slab.
-void startForces(SolverIsland& group, std::uint32_t i) {
+void startForces(SolverIsland& group, std::uint32_t i, double crossing) {
   const StepParts& parts = group.parts;
   BatchedBody& body = group.inStep[parts.points[i].body];
   clearForces(body, parts.points[i]);
   if (!parts.points[i].isWhole())
     kernel::loadSlotPositions(body.springBatches, slotsOf(body, parts.points[i]));
-  addForces(body, parts.springs[0][i]);
+  addForces(body, parts.springs[0][i], crossing);
 }
 
 /// Adds all forces but those of startForces().
-void addOtherForces(SolverIsland& group, Team& team) {
+void addOtherForces(SolverIsland& group, Team& team, double dt, double crossing) {
   for (std::size_t phase = 1; phase < Division::kPhases; ++phase)
     forEach(group, team, group.parts.springs[phase],
-            [](BatchedBody& body, const BodyPart& part) { addForces(body, part); });
+            [&](BatchedBody& body, const BodyPart& part) { addForces(body, part, crossing); });
   forEachSlab(group, team, kernel::unloadSlotForces);
   team.forEach(static_cast<std::uint32_t>(group.parts.divided.size()), [&](std::uint32_t i) {
     kernel::addBatchVolumes(group.inStep[group.parts.divided[i]].springBatches);
@@ -270,26 +270,27 @@ void addOtherForces(SolverIsland& group, Team& team) {
     rigid.force.setZero();
     rigid.torque.setZero();
   }
-  addLinkForces(group.links);
+  addLinkForces(group.links, dt, crossing);
 }
 
-/// Drifts, and computes the forces at the new positions.
-void driftAndComputeForces(SolverIsland& group, Team& team, double dt) {
+/// Drifts, and computes the forces at the new positions, with this share of kernel::crossingForce().
+void driftAndComputeForces(SolverIsland& group, Team& team, double dt, double crossing) {
   StepParts& parts = group.parts;
   team.forEach(static_cast<std::uint32_t>(parts.points.size()), [&](std::uint32_t i) {
     drift(group.inStep[parts.points[i].body], parts.points[i], dt);
-    startForces(group, i);
+    startForces(group, i, crossing);
   });
   for (RigidState& rigid : group.links.rigids) rigid.drift(dt);
   driftLinks(group.links, dt);
-  addOtherForces(group, team);
+  addOtherForces(group, team, dt, crossing);
 }
 
-void computeForces(SolverIsland& group, Team& team) {
+/// Computes the forces at the start of the tick.
+void computeForces(SolverIsland& group, Team& team, double dt) {
   StepParts& parts = group.parts;
   team.forEach(static_cast<std::uint32_t>(parts.points.size()),
-               [&](std::uint32_t i) { startForces(group, i); });
-  addOtherForces(group, team);
+               [&](std::uint32_t i) { startForces(group, i, kernel::kFirstCrossing); });
+  addOtherForces(group, team, dt, kernel::kFirstCrossing);
 }
 
 /// Applies the dampers of bodies that need more than `sweep` sweeps.
@@ -378,7 +379,7 @@ void searchAgain(SolverIsland& group, Team& team, int substep, int substeps, dou
 void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
   const double dt = tick / substeps;
   prepare(group);
-  computeForces(group, team);
+  computeForces(group, team, dt);
   joinVelocities(group.links);
   damp(group, team, dt, false, false);
   for (int s = 0; s < substeps; ++s) {
@@ -391,7 +392,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     updateGaps(group.pairs, team, dt);
     const bool estimates = last || 2 * s == substeps;
     if (estimates) keepForces(group);
-    driftAndComputeForces(group, team, dt);
+    driftAndComputeForces(group, team, dt, last ? kernel::kLastCrossing : kernel::kCrossing);
     if (estimates) estimateErrors(group, dt);
     // anchors and contacts before dampers: these must not use the velocity of a point that the kick moves
     // away from its anchor or contact
@@ -419,7 +420,7 @@ bool isPlain(const SolverIsland& group) {
 
 void stepVerlet(SolverIsland& group, double tick, int substeps) {
   for (SolverBody& body : group.bodies) {
-    prepareDampers(*body.springs, body.points->inverseMass, tick / substeps);
+    prepareSprings(*body.springs, body.points->inverseMass, tick / substeps);
     prepareVolumes(body, tick / substeps);
     startDrag(body);
   }

@@ -57,7 +57,7 @@ struct SolverBody {
 
 /// Sets the points' forces to those of springs and volume terms. Stores the springs' directions for the
 /// dampers.
-void computeElasticForces(SolverBody& body);
+void computeElasticForces(SolverBody& body, double crossing = kernel::kFirstCrossing);
 
 /// Returns the energy (J) of springs and volume terms with the points at `position`.
 double elasticEnergy(SolverBody& body, const Points& position);
