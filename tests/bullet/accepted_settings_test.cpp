@@ -90,6 +90,7 @@ SoftBodySettings rolledSettings(Dice& dice) {
   roll(dice, s.restitution, 0, 1, 1e-6);
   roll(dice, s.sleepingSpeed, 0, 1e6, 1e-6);
   s.selfCollision = s.collision == Collision::Surface && dice.chance(0.2);
+  s.hollow = s.collision == Collision::Surface && dice.chance(0.2);
   s.continuousCollision = dice.chance(0.7);
   rollStepping(dice, s.stepping);
   rollElasticLimit(dice, s.elasticLimit);

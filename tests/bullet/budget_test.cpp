@@ -328,6 +328,53 @@ TEST(Softening, leavesAPendulumItsPeriod) {
 
 // --- pins, links, anchors ----------------------------------------------------------------------------------
 
+/// Linked to a rope with a budget the cube is soft. Strains that cost it little then would throw it apart
+/// once it is stiff again: it would gain 1e4 J, and in every other tick 1e11 J.
+TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
+  for (const int period : {1, 3}) {
+    BulletWorld bullet(-kGravity);
+    bullet.addPlaneFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = stiff(6e4, 1.0);
+    s.damping = 1.0;
+    s.stepping.maxSubsteps = 0;
+    s.position.y() = 1.2;
+    SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+    s = stiff(1e3, 0.2);
+    s.stepping.maxSubsteps = 3;
+    s.position = {0.5, 1.7, 0.5};
+    SoftBody* rope = *system.createBody(*buildRope(), s);
+    ASSERT_TRUE(rope->pin(16));
+    SpringSettings link;
+    link.stiffness = 2000.0;
+    SpringConstraint* spring = nullptr;
+    double least = 1.0;
+    const auto energy = [&] {
+      double sum = 0.0;
+      for (const SoftBody* body : {cube, rope})
+        sum += body->kineticEnergy() + body->elasticEnergy() +
+               kGravity * body->totalMass() * body->centerOfMass().y();
+      return sum;
+    };
+    const double start = energy();
+    for (int i = 0; i < 120; ++i) {
+      if (spring && i % period == 0) {
+        ASSERT_TRUE(system.removeSpring(spring));
+        spring = nullptr;
+      } else if (i % period == 0) {
+        spring = *system.addSpring({cube->point(7)}, {rope->point(0)}, link);
+      }
+      bullet.tick();
+      least = std::min(least, cube->softening());
+      ASSERT_LT(energy(), start + 0.1) << period << ' ' << i;
+    }
+    EXPECT_LT(least, 0.01) << "it was linked";
+    ASSERT_TRUE(!spring || system.removeSpring(spring));
+    bullet.simulate(3.0);
+    EXPECT_EQ(cube->softening(), 1.0) << "it becomes stiff again";
+  }
+}
+
 TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
   BulletWorld bullet(-kGravity);
   SoftBodySystem system(*bullet.world);

@@ -5,6 +5,7 @@
 #include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/tested_way.h"
 
 #include <limber/contacts.h>
 #include <limber/network_builder.h>

@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 using test::angularMomentumOf;
 using test::BulletWorld;
 using test::eigen;
+using test::kRadius;
 using test::kTick;
 using test::momentumOf;
 using test::vec;

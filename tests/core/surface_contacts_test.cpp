@@ -404,7 +404,7 @@ TEST(SurfaceContacts, ballInACornerHasOneContactForEachDirection) {
   points << 0, 0, 2, 2, 0, 0, 0, 0, 0, 0, 2, 2, -2, 2, -2, 2, -2, 2;
   SurfaceFeatures f;
   f.triangles = {{0, 1, 2}, {2, 1, 3}, {0, 4, 1}, {4, 5, 1}};
-  f.outward = true;
+  f.solid = limber::Solid::AllPieces;
   ground = test::makeShape(points, f, 0.0);
   ball.position.col(0) = Vector3d(0.051, 0.051, 0.0);
   const auto found = test::contactsOf(ball, ground, kMargin);

@@ -42,7 +42,7 @@ TEST(SurfaceTopology, closedPiecesAreOneSided) {
   for (const std::uint8_t oneSided : cloth.topology.oneSided) EXPECT_FALSE(oneSided);
   SurfaceFeatures ground;
   ground.triangles = cloth.topology.triangles;
-  ground.outward = true;
+  ground.solid = limber::Solid::AllPieces;
   const auto topology = makeSurfaceTopology(cloth.position, ground);
   ASSERT_TRUE(topology);
   for (const std::uint8_t oneSided : topology->oneSided) EXPECT_TRUE(oneSided);

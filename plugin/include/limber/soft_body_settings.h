@@ -132,6 +132,9 @@ struct SoftBodySettings {
   bool selfCollision = false;  ///< triangles, or the segments of a rope, also collide with each other,
                                ///< except where they share a point or are nearer at rest than the sum of the
                                ///< radii; needs Surface
+  bool hollow = false;  ///< closed surfaces are shells, which keep in what is inside: a bag, a balloon with
+                        ///< something in it. false: they are solid, and push out what is a little inside;
+                        ///< what is far inside does not touch them. Needs Surface
   std::optional<double> pointRadius;  ///< m, 1e-9 to 1e4, radius of each point mass as a sphere in Bullet;
                                       ///< default: 2 % of the shortest spring
   double friction = 0.5;              ///< 0 to 1e6, Bullet multiplies it with the partner's

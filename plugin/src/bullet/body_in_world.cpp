@@ -27,6 +27,7 @@ namespace {
 SurfaceFeatures featuresOf(const SpringNetwork& network, const SoftBodySettings& settings) {
   SurfaceFeatures features;
   features.triangles = network.surface;
+  features.solid = settings.hollow ? Solid::None : Solid::ClosedPieces;
   if (settings.scale.prod() < 0.0)
     for (Triangle& t : features.triangles) std::swap(t[1], t[2]);
   if (!features.triangles.empty()) return features;
@@ -123,7 +124,8 @@ std::vector<double> modelKey(const SpringNetwork& network, const SoftBodySetting
                              limit.yieldMaximum,
                              limit.breakStrain,
                              limit.tear ? 1.0 : 0.0,
-                             static_cast<double>(s.collision)};
+                             static_cast<double>(s.collision),
+                             s.hollow ? 1.0 : 0.0};
   for (const GroupSettings& g : s.groups) {
     const auto same = [&](const NamedGroup& group) { return group.name == g.name; };
     const auto it = std::find_if(network.groups.begin(), network.groups.end(), same);

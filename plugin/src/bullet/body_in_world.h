@@ -55,6 +55,9 @@ inline double extentOf(const Points& x) { return (x.rowwise().maxCoeff() - x.row
 /// Brings the state up to date with the user's changes of Bullet's objects.
 void readFromBullet(SoftBodyData& body);
 
+/// Returns the elastic energy (J) of springs and volumes at the present positions.
+double elasticEnergy(const SoftBodyData& body);
+
 /// Writes the state to Bullet's objects. Pins keep their targets unless they are moved, too.
 void writeToBullet(SoftBodyData& body, bool pinsMoved = false);
 

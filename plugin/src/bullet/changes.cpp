@@ -48,6 +48,12 @@ void readFromBullet(SoftBodyData& body) {
   absorbOutsideChanges(body);
 }
 
+double elasticEnergy(const SoftBodyData& body) {
+  const Points& position = body.state.position;
+  return elasticEnergy(body.springs, position) + volumeEnergy(body.volumes, position) +
+         tetrahedronEnergy(body.tetrahedra, position);
+}
+
 void writeToBullet(SoftBodyData& body, bool pinsMoved) {
   body.sumsValid = false;
   // the prediction is out of date
@@ -449,8 +455,9 @@ Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
 
 /// Returns whether what lies on the body may then have nothing below it.
 bool mayLetGo(const SoftBodySettings& before, const SoftBodySettings& after) {
-  return after.scale != before.scale || after.pointRadius != before.pointRadius ||
-         after.collisionGroup != before.collisionGroup || after.collisionMask != before.collisionMask;
+  return after.scale != before.scale || after.hollow != before.hollow ||
+         after.pointRadius != before.pointRadius || after.collisionGroup != before.collisionGroup ||
+         after.collisionMask != before.collisionMask;
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 4};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 5, 5};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -123,6 +123,7 @@ void transferSettings(Stream& stream, Settings& s) {
   transferMaterial(stream, s);
   stream.value("collision", s.collision);
   transferFlag(stream, "selfCollision", s.selfCollision);
+  transferFlag(stream, "hollow", s.hollow);
   transferOptional(stream, "pointRadius", s.pointRadius);
   stream.value("collisionGroup", s.collisionGroup);
   stream.value("collisionMask", s.collisionMask);

@@ -296,9 +296,8 @@ Eigen::Vector3d SoftBody::linearMomentum() const { return limber::linearMomentum
 Eigen::Vector3d SoftBody::angularMomentum() const { return limber::angularMomentum(current(*data_)); }
 double SoftBody::kineticEnergy() const { return limber::kineticEnergy(current(*data_)); }
 double SoftBody::elasticEnergy() const {
-  const Points& position = current(*data_).position;
-  return limber::elasticEnergy(data_->springs, position) + volumeEnergy(data_->volumes, position) +
-         tetrahedronEnergy(data_->tetrahedra, position);
+  current(*data_);
+  return limber::elasticEnergy(*data_);
 }
 std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
 

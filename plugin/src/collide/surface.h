@@ -23,12 +23,14 @@ namespace limber {
 
 constexpr std::uint32_t kNoFeature = 0xffffffffu;
 
+enum class Solid { ClosedPieces, AllPieces, None };
+
 /// The features from which a surface is built. Numbers are indices of points.
 struct SurfaceFeatures {
   std::vector<Triangle> triangles;      ///< counterclockwise from outside if they close a body
   std::vector<Edge> segments;           ///< besides the edges of the triangles, for example of a rope
   std::vector<std::uint32_t> vertices;  ///< besides the corners of both, for example the centre of a sphere
-  bool outward = false;                 ///< open surfaces, too, are solid behind their triangles
+  Solid solid = Solid::ClosedPieces;    ///< what is solid behind its triangles
   bool rigid = false;                   ///< the shape is constant: flat and concave edges stay so
 };
 

@@ -84,10 +84,10 @@ IndexLists listsAround(Eigen::Index points, const Items& items) {
   return lists;
 }
 
-/// Returns for each triangle whether it is one-sided. A piece is closed if each of its edges belongs to two
-/// triangles that run along it in opposite directions.
+/// Returns for each triangle whether it is one-sided: solid behind it. A piece is closed if each of its edges
+/// belongs to two triangles that run along it in opposite directions.
 std::vector<std::uint8_t> findOneSided(const SurfaceTopology& t, const std::vector<Triangle>& edgesOf,
-                                       bool outward) {
+                                       Solid solid) {
   const SurfaceComponents pieces = findComponents(static_cast<std::size_t>(t.rest.cols()), t.triangles);
   std::vector<int> uses(t.edges.size(), 0), balance(t.edges.size(), 0);
   for (std::size_t i = 0; i < edgesOf.size(); ++i)
@@ -99,7 +99,8 @@ std::vector<std::uint8_t> findOneSided(const SurfaceTopology& t, const std::vect
   for (std::size_t i = 0; i < edgesOf.size(); ++i)
     for (const std::uint32_t edge : edgesOf[i])
       if (uses[edge] != 2 || balance[edge] != 0) closed[pieces.ofTriangle[i]] = 0;
-  for (const std::uint32_t piece : pieces.ofTriangle) oneSided.push_back(outward || closed[piece]);
+  for (const std::uint32_t piece : pieces.ofTriangle)
+    oneSided.push_back(solid == Solid::AllPieces || (solid == Solid::ClosedPieces && closed[piece]));
   return oneSided;
 }
 
@@ -188,7 +189,7 @@ Result<SurfaceTopology> makeSurfaceTopology(const Points& rest, const SurfaceFea
   const std::size_t triangleEdges = uniqueEdges(features.triangles).size();
   const std::vector<Triangle> edgesOf = edgesOfTriangles(t, triangleEdges);
   setEdgeTriangles(t, edgesOf);
-  t.oneSided = findOneSided(t, edgesOf, features.outward);
+  t.oneSided = findOneSided(t, edgesOf, features.solid);
   for (const Triangle& corners : t.triangles) t.depthLimit.push_back(kDepthShare * shortestSide(t, corners));
   for (const Edge& e : t.edges)
     t.featureSize += (rest.col(e[0]) - rest.col(e[1])).norm() / double(t.edges.size());

@@ -75,9 +75,11 @@ std::string checkHeader(const SealedFormat& format, const std::uint8_t* header, 
   if (!std::equal(header, header + start, format.magic.begin()))
     return "not " + name + ": it does not begin with the bytes of one";
   if (size < kHeaderBytes) return container + " is too short: it ends within its header";
-  if (const std::uint32_t version = versionOf(header); version < 1 || version > format.version)
+  if (const std::uint32_t version = versionOf(header); version < format.oldest || version > format.version)
     return name + " of version " + std::to_string(version) + ", this library reads " +
-           (format.version > 1 ? "versions 1 to " : "version ") + std::to_string(format.version);
+           (format.version > format.oldest ? "versions " + std::to_string(format.oldest) + " to "
+                                           : "version ") +
+           std::to_string(format.version);
   return checkSize(container, readLittleEndian<std::uint64_t>(header + kSizeAt), fileSize - kHeaderBytes);
 }
 

@@ -198,9 +198,10 @@ class ByteWriter {
 /// the hash of the rest (8 bytes each).
 struct SealedFormat {
   std::array<std::uint8_t, 8> magic;
-  const char* name;       ///< "a .limber file"
-  const char* container;  ///< "the file"
-  std::uint32_t version;  ///< the newest; all from 1 on can be read
+  const char* name;          ///< "a .limber file"
+  const char* container;     ///< "the file"
+  std::uint32_t version;     ///< the newest
+  std::uint32_t oldest = 1;  ///< that can be read, and all from it on
 };
 
 constexpr std::size_t kHeaderBytes = 28;

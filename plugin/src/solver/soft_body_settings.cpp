@@ -119,6 +119,8 @@ Result<void> validate(const SoftBodySettings& s) {
   if (std::string reason = checkPlacement(s); !reason.empty()) return Error{std::move(reason)};
   if (s.selfCollision && s.collision != Collision::Surface)
     return Error{"selfCollision needs collision to be Collision::Surface"};
+  if (s.hollow && s.collision != Collision::Surface)
+    return Error{"hollow needs collision to be Collision::Surface"};
   const Check checks[] = {
       {"extensionStiffness", s.extensionStiffness, 0, 1e12, "from 0 to 1e12"},
       {"compressionStiffness", s.compressionStiffness, 0, 1e12, "from 0 to 1e12"},
