@@ -88,6 +88,7 @@ double massOfPoint(const SoftBodyData& body, Eigen::Index i) { return massOf(bod
 void forgetPath(SoftBodyData& body) {
   forgetMotion(body);
   body.surface.contacts.clear();
+  body.surface.overlapTicks = SurfaceData::kOverlapTicks;
   body.masses.startPosition = body.state.position;
   body.masses.placed = true;
   body.energyLimit = EnergyLimit();
@@ -498,6 +499,7 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
   forgetMotion(body);
   forgetSearches(body);
   body.masses.placed = true;
+  body.surface.overlapTicks = SurfaceData::kOverlapTicks;
   writeToBullet(body);
   updateQueryBoxes(body);
   wakeBody(body, false);

@@ -154,7 +154,7 @@ struct BodyState {
   std::vector<double> softenedMass;  ///< 3 x #points, inverse masses for which it was softened, or empty
   RateHistory rates;
   EnergyLimit energy;
-  int substeps = 0;
+  int substeps = 0, overlapTicks = 0;
   Stepper stepper = Stepper::Verlet;
   bool prefersImplicit = false;
   std::uint32_t restorations = 0;
@@ -187,6 +187,7 @@ void transferState(Stream& stream, State& s) {
   stream.array("broken springs", s.broken);
   transferVector(stream, "frame", s.frame.coeffs());
   transferFlag(stream, "sleep", s.asleep);
+  stream.value("overlap", s.overlapTicks);
   for (auto* number : {&s.calmTime, &s.softenedTo, &s.errorPerSecond, &s.errorCoefficient})
     stream.value("measures", *number);
   stream.array("inverse masses", s.softenedMass);
@@ -310,6 +311,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.jointLinear = body.surface.joints.linear;
   s.jointAngular = body.surface.joints.angular;
   s.asleep = body.asleep;
+  s.overlapTicks = body.surface.overlapTicks;
   s.calmTime = body.calmTime;
   s.errorPerSecond = body.errorPerSecond;
   s.errorCoefficient = body.errorCoefficient;
@@ -434,6 +436,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   updateQueryBoxes(body);
   // writing has iterated further
   body.surface.frame = s.frame;
+  body.surface.overlapTicks = s.overlapTicks;
   if (s.asleep) putToSleep(body);
 }
 

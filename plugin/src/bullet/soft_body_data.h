@@ -182,6 +182,11 @@ struct SurfaceData {
   bool motionValid = false;            ///< `motion` and `impact` are those of this tick
   bool boxesValid = false;             ///< `boxes` are those of this tick
   std::vector<CachedSearch> searches;  ///< with the objects that were near in the last tick
+
+  /// Ticks in which the body is tested for overlaps with others of any depth: some after it has been placed
+  /// or scaled, and as long as there are any.
+  int overlapTicks = kOverlapTicks;
+  static constexpr int kOverlapTicks = 2;
 };
 
 // --- a body ------------------------------------------------------------------------------------------------

@@ -132,6 +132,7 @@ Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
   pair.a = softContactPoint(*m.body, c.a);
   pair.normal = c.normal;
   pair.gap = c.gap;
+  pair.separates = c.separates;
   pair.friction = double(gCalculateCombinedFrictionCallback(own, &partnerOf(m)));
   pair.restitution = restitutionOf(m);
   pair.bounceThreshold = m.body->speeds.bounce;
@@ -213,10 +214,23 @@ void listBearing(const SurfaceCandidate& m, std::vector<std::uint64_t>& keys) {
 }
 
 /// Fills s.contacts with the contacts of the present surfaces.
+/// Finds contacts that separate the body from another soft body, or a rigid one of a single shape, into which
+/// one of them has been placed.
+bool findOverlap(const SurfaceCandidate& m, SurfaceSearch& s) {
+  if (isSelf(m) || m.held || (m.partner && m.partner->getCollisionShape()->isCompound())) return false;
+  int& ticks = m.body->surface.overlapTicks;
+  if (ticks == 0 && (!m.other || m.other->surface.overlapTicks == 0)) return false;
+  if (!findOverlapContacts(m.body->surface.moving, surfaceB(m), s.search, s.contacts)) return false;
+  ticks = SurfaceData::kOverlapTicks;
+  if (m.other) m.other->surface.overlapTicks = SurfaceData::kOverlapTicks;
+  return true;
+}
+
 void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   s.contacts.clear();
   if (!isSelf(m) && !areNear(a, b, margin(m))) return;
+  if (findOverlap(m, s)) return;
   listBearing(m, s.search.bearing);
   if (isSelf(m))
     findSelfContacts(a, margin(m), s.search, s.contacts);
@@ -569,6 +583,7 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
                         TickContacts& found) {
   if (!hasSurface(body)) return;
   const double h = double(tick);
+  if (body.surface.overlapTicks > 0) --body.surface.overlapTicks;
   for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, h, rigids, search, found);
   for (const btCollisionObject* partner : body.partners) gatherHeld(body, *partner, h, rigids, search, found);
   for (SoftBodyData* other : body.softPartners) gatherSoft(body, *other, h, search, found);

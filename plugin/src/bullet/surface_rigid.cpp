@@ -277,7 +277,10 @@ void readObject(SoftBodyData& body, double tick) {
   const LeftObject left = body.surface.left;
   // an awake body keeps what rests on it awake
   if (body.asleep) wakeNeighbours(body, false);
-  if (!(object.getWorldTransform() == left.pose)) moveObject(body, object.getWorldTransform());
+  if (!(object.getWorldTransform() == left.pose)) {
+    moveObject(body, object.getWorldTransform());
+    body.surface.overlapTicks = SurfaceData::kOverlapTicks;
+  }
   const Vector3d velocity = difference(object.getLinearVelocity(), left.velocity);
   const Vector3d spin = difference(object.getAngularVelocity(), left.spin);
   // a constraint has acted at the start of the tick

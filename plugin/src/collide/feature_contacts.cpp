@@ -167,7 +167,8 @@ struct VertexTriangle {
   }
 };
 
-/// Adds the candidate of a vertex that the triangle pushes along the unit `normal`.
+}  // namespace
+
 void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& vertex, const Vector3d& normal,
                          double time, ContactSearch& search) {
   const SurfaceTopology& t = *(vertex.ofB ? pair.a : pair.b).topology;
@@ -177,6 +178,8 @@ void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& verte
                {atVertex(vertex.vertex), onTriangle, normal, 0.0, time}, t.depthLimit[vertex.triangle],
                contactVertex(pair, vertex.vertex, vertex.ofB), search);
 }
+
+namespace {
 
 void addVertexInFront(VertexTriangle& features, double time, ContactSearch& search) {
   if (!projectOnTriangle(features.triangle.at(time), features.vertex.at(time), features.record.barycentric))

@@ -83,6 +83,10 @@ NearestPoints<N, M> nearestPoints(const MovingFeature<N>& a, const MovingFeature
 void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
                            ContactSearch& search);
 
+/// Adds the candidate of a vertex that the triangle pushes along the unit `normal`.
+void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& vertex,
+                         const Eigen::Vector3d& normal, double time, ContactSearch& search);
+
 /// Adds a candidate for each vertex of `search.penetrating` that is inside the other surface: with the
 /// nearest triangle that the vertex faces. Sorts `search.penetrating`.
 void addInsideVertices(const SurfacePair& pair, ContactSearch& search);

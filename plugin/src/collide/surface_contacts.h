@@ -28,8 +28,9 @@ struct SurfaceContact {
   SurfacePoint a, b;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, from b to a
   double gap = 0.0;                                  ///< m, at the start of the tick; below 0 if they overlap
-  double time = 0.0;      ///< expected time of impact as a fraction of the tick; 0: near already
-  std::uint64_t key = 0;  ///< of the two features; unique among the contacts of two surfaces
+  double time = 0.0;       ///< expected time of impact as a fraction of the tick; 0: near already
+  std::uint64_t key = 0;   ///< of the two features; unique among the contacts of two surfaces
+  bool separates = false;  ///< made by findOverlapContacts()
 };
 
 constexpr std::uint64_t kNoVertex = 0xffffffffffffffffu;
@@ -80,6 +81,13 @@ struct ContactSearch {
 /// Where vertices are closer together than its radius, it collides with all of them that approach it, not
 /// only with the nearest.
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
+                         std::vector<SurfaceContact>& found);
+
+/// Finds contacts that separate two closed surfaces which have been placed into each other, however deep,
+/// along one direction: one for each vertex that is deeper inside than both radii. Returns false, and finds
+/// none, if there is no such vertex, or if one surface is inside the other as a whole. Boxes of both must be
+/// fitted.
+bool findOverlapContacts(const MovingSurface& a, const MovingSurface& b, ContactSearch& search,
                          std::vector<SurfaceContact>& found);
 
 /// Finds the contacts of a surface with itself up to a gap of `margin` (m). Leaves out features that share a

@@ -146,10 +146,11 @@ constexpr double kRecoveryWork = 2.4, kSmallRecoveryWork = 0.3;
 constexpr double kFreeRecovery = 0.01;
 
 /// Returns the largest work (J) of a contact in a substep of `share` of the tick that removes an overlap.
-/// There is no limit where nothing soft or anchored yields.
+/// There is no limit where nothing soft or anchored yields, nor for contacts that separate two bodies along
+/// one direction.
 inline double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, const ContactConstraint& row,
                               bool anchored, double share) {
-  if (!(row.target > 0.0) || isOfPoint(c)) return HUGE_VAL;
+  if (!(row.target > 0.0) || isOfPoint(c) || c.separates) return HUGE_VAL;
   constexpr auto kSoft = ContactPoint::Kind::Soft;
   if (!anchored && c.a.kind != kSoft && c.b.kind != kSoft) return HUGE_VAL;
   const double squaredSpeed = std::max(c.recoverySpeed * c.recoverySpeed, rows.squaredMotion);

@@ -64,9 +64,10 @@ struct Contact : ContactBase {
   ContactImpulse positionImpulse, velocityImpulse;  ///< of the present substep; initially the warm start
   const PlaneContact* held = nullptr;  ///< for a point on a surface at rest: the plane that follows it
   HeldCorners corners;                 ///< for an edge or triangle: the corners over which it slides
-  double spheres = 0.0;  ///< m, for two point masses, or a rigid side b that is a ball about its centre of
-                         ///< mass: sum of the radii; the contact follows both sides
-  bool ended = false;    ///< the contact has ended in this tick; its impulse still counts
+  double spheres = 0.0;    ///< m, for two point masses, or a rigid side b that is a ball about its centre of
+                           ///< mass: sum of the radii; the contact follows both sides
+  bool ended = false;      ///< the contact has ended in this tick; its impulse still counts
+  bool separates = false;  ///< bodies that have been placed into each other: its work is not limited
 };
 
 /// One row of a joint between rigid bodies, in the form of Bullet's constraints:

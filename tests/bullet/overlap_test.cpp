@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Zlib
+// Bodies that are placed, or grow, into others get out of them.
+#include "support/bullet_measures.h"
+#include "support/bullet_world.h"
+#include "support/small_meshes.h"
+#include "support/tested_way.h"
+
+#include <limber/network_builder.h>
+#include <limber/soft_body_system.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+using test::BulletWorld;
+using test::lowest;
+using test::vec;
+
+/// The size of a cube with its radii, 0.51 m, less what its weight takes and what is left of the overlap: up
+/// to 3 cm of cubes exactly on top of each other, whose corners are neither inside nor outside.
+constexpr double kLeast = 0.465;
+
+struct OverlapTest : testing::Test {
+  void SetUp() override {
+    if (!test::kSurface) GTEST_SKIP() << "needs Collision::Surface";
+    bullet.addPlaneFloor();
+  }
+
+  SoftBody* addCube(double x, double y, double z = 0.0) {
+    SoftBodySettings s;
+    s.position = {x, y, z};
+    s.scale *= 0.5;
+    s.extensionStiffness = s.compressionStiffness = 2000.0;
+    s.damping = 2.0;
+    return *system.createBody(*buildNetwork(small_meshes::cube(2)), s);
+  }
+
+  /// Lets the bodies separate. They are pushed apart slowly.
+  void separate(double seconds, double tick) {
+    for (int i = 0; i < static_cast<int>(seconds / tick); ++i) {
+      bullet.tick(tick);
+      for (std::size_t b = 0; b < system.bodyCount(); ++b)
+        for (std::uint32_t p = 0; p < system.body(b)->pointCount(); ++p)
+          ASSERT_LT(system.body(b)->velocity(p).norm(), 1.5) << i;
+    }
+  }
+
+  BulletWorld bullet;
+  SoftBodySystem system{*bullet.world};
+};
+
+double between(const SoftBody& a, const SoftBody& b, int axis) {
+  return b.centerOfMass()[axis] - a.centerOfMass()[axis];
+}
+
+TEST_F(OverlapTest, onTopOfAnotherItRises) {
+  for (const double tick : {1.0 / 120.0, 1.0 / 30.0})
+    for (const double depth : {0.02, 0.1, 0.2})
+      for (const double aside : {0.0, 0.03}) {
+        SoftBody *below = addCube(0, 0.26), *above = addCube(aside, 0.76 - depth, aside);
+        separate(2.5, tick);
+        EXPECT_GT(between(*below, *above, 1), kLeast) << tick << ' ' << depth << ' ' << aside;
+        ASSERT_TRUE(system.destroyBody(below) && system.destroyBody(above));
+      }
+}
+
+TEST_F(OverlapTest, besideAnotherItGetsAside) {
+  for (const double tick : {1.0 / 120.0, 1.0 / 30.0})
+    for (const double depth : {0.05, 0.2}) {
+      SoftBody *left = addCube(0, 0.26), *right = addCube(0.5 - depth, 0.26, 0.03);
+      separate(2.0, tick);
+      EXPECT_GT(between(*left, *right, 0), kLeast) << tick << ' ' << depth;
+      ASSERT_TRUE(system.destroyBody(left) && system.destroyBody(right));
+    }
+}
+
+TEST_F(OverlapTest, ofADynamicBoxItGetsOut) {
+  for (const double tick : {1.0 / 120.0, 1.0 / 30.0}) {
+    btRigidBody* box = bullet.addBox(vec(0.25, 0.25, 0.25), 1.0, vec(0, 0.25, 0));
+    SoftBody* cube = addCube(0.3, 0.26, 0.03);
+    separate(2.0, tick);
+    EXPECT_GT(cube->centerOfMass().x() - double(box->getWorldTransform().getOrigin().x()), kLeast) << tick;
+    ASSERT_TRUE(system.destroyBody(cube));
+    bullet.world->removeRigidBody(box);
+  }
+}
+
+TEST_F(OverlapTest, placedOrGrownItGetsOut) {
+  SoftBody *below = addCube(0, 0.26), *above = addCube(0, 0.78);
+  separate(2.0, 1.0 / 60.0);
+  btTransform lower = above->transform();
+  lower.getOrigin() -= vec(0, 0.15, 0);
+  ASSERT_TRUE(above->setTransform(lower));
+  separate(2.0, 1.0 / 60.0);
+  EXPECT_GT(between(*below, *above, 1), kLeast) << "placed";
+  SoftBodySettings s = below->settings();
+  s.scale *= 1.4;
+  ASSERT_TRUE(below->change(s));
+  separate(2.0, 1.0 / 60.0);
+  EXPECT_GT(between(*below, *above, 1), 1.2 * kLeast) << "grown";
+}
+
+/// What is inside another as a whole stays there.
+TEST_F(OverlapTest, insideAsAWholeIsNoOverlap) {
+  bullet.world->setGravity(vec(0, 0, 0));
+  SoftBody* outer = addCube(0, 1.0);
+  SoftBodySettings s = outer->settings();
+  s.scale *= 0.2;
+  s.position = {0.1, 1.0, 0.0};
+  SoftBody* inner = *system.createBody(outer->sharedNetwork(), s);
+  separate(1.0, 1.0 / 60.0);
+  EXPECT_NEAR(between(*outer, *inner, 0), 0.1, 1e-6);
+}
+
+TEST_F(OverlapTest, goesOnAlikeFromASavedState) {
+  addCube(0, 0.26), addCube(0.03, 0.6, 0.02);
+  separate(0.3, 1.0 / 60.0);
+  const std::vector<std::uint8_t> state = system.saveState();
+  const auto hashesAfter = [&] {
+    separate(0.5, 1.0 / 60.0);
+    return std::make_pair(system.body(0)->stateHash(), system.body(1)->stateHash());
+  };
+  const auto once = hashesAfter();
+  ASSERT_TRUE(system.restoreState(state));
+  EXPECT_EQ(hashesAfter(), once);
+}
+
+}  // namespace
+}  // namespace limber
