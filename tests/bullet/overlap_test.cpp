@@ -88,6 +88,35 @@ TEST_F(OverlapTest, ofADynamicBoxItGetsOut) {
   }
 }
 
+TEST_F(OverlapTest, ofAStaticSolidItGetsOut) {
+  const auto shapes = [] {
+    std::vector<std::unique_ptr<btCollisionShape>> made;
+    made.push_back(std::make_unique<btBoxShape>(vec(0.25, 0.25, 0.25)));
+    made.push_back(std::make_unique<btCylinderShape>(vec(0.25, 0.25, 0.25)));
+    made.push_back(std::make_unique<btCapsuleShape>(btScalar(0.25), btScalar(0.5)));
+    return made;
+  };
+  for (const double tick : {1.0 / 120.0, 1.0 / 30.0})
+    for (std::unique_ptr<btCollisionShape>& shape : shapes()) {
+      const char* name = shape->getName();
+      btRigidBody* solid = bullet.add(std::move(shape), 0, vec(0, 0.25, 0));
+      SoftBody* cube = addCube(0.35, 0.26, 0.03);
+      separate(2.0, tick);
+      EXPECT_GT(cube->centerOfMass().x(), kLeast) << name << ' ' << tick;
+      ASSERT_TRUE(system.destroyBody(cube));
+      bullet.world->removeRigidBody(solid);
+    }
+}
+
+/// Without gravity it is pushed out by a tenth of its radius per tick, slower than what may sleep.
+TEST_F(OverlapTest, weightlessItDoesNotSleepInside) {
+  bullet.world->setGravity(vec(0, 0, 0));
+  bullet.addBox(vec(0.5, 0.5, 0.5), 0.0, vec(0, 2, 0));
+  SoftBody* cube = addCube(0, 2.65, 0.03);
+  bullet.simulate(5.0);
+  EXPECT_GT(lowest(*cube), 2.495);
+}
+
 TEST_F(OverlapTest, placedOrGrownItGetsOut) {
   SoftBody *below = addCube(0, 0.26), *above = addCube(0, 0.78);
   separate(2.0, 1.0 / 60.0);

@@ -349,7 +349,19 @@ void putToSleep(SoftBodyData& body) {
     if (point && body.masses.exposed) point->setActivationState(ISLAND_SLEEPING);
 }
 
+namespace {
+
+/// Whether the body gets out of another one, which is slow without gravity.
+bool getsOut(SoftBodyData& body, btScalar tick) {
+  constexpr double kStuck = 0.1;  // of the speed at which it should
+  const double least = kStuck * body.speeds.recovery * double(tick);
+  return body.surface.overlapTicks > 0 && sumsOf(body).farthest > least * least;
+}
+
+}  // namespace
+
 bool movesTooFast(SoftBodyData& body, btScalar tick) {
+  if (isSurfaceBody(body) && getsOut(body, tick)) return true;
   return isSurfaceBody(body) ? anySurfacePointMoves(body, tick) : anyPointMoves(body, tick);
 }
 

@@ -327,6 +327,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   if (!surface) disablePointResponse(body);
   if (surface && body.partners.empty()) return;
   for (const btCollisionObject* partner : body.partners) storePartner(body, *partner);
+  findWaysOut(body);
   const auto mayEnterBox = [&](const btCollisionObject* partner) { return mayEnter(box, *partner); };
   body.watch->on = body.settings.continuousCollision &&
                    std::any_of(body.partners.begin(), body.partners.end(), mayEnterBox);

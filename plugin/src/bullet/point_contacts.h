@@ -154,6 +154,11 @@ void addContactWatch(SoftBodyData& body);
 /// contact. Then the body must be stepped again, with the watch.
 bool mayHaveMissedContacts(SoftBodyData& body);
 
+/// Finds the partners at rest, solids of one convex shape, in which a closed body is that has been placed
+/// there: HeldPartner::out. Their points inside then get contacts along that direction only, since nearest
+/// faces would push different points to different sides.
+void findWaysOut(SoftBodyData& body);
+
 /// Adds contacts of one point with the static partners of its body, within its search region in the tick (s).
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
 

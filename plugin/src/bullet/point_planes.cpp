@@ -351,6 +351,35 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   }
 }
 
+/// Returns the nearest point on the only solid of a partner.
+HeldPoint nearestOnSolid(const SoftBodyData& body, const HeldPartner& held, std::uint32_t i) {
+  const HeldPiece* piece = body.held.pieces.data() + held.solid;
+  return nearestOn(piece, piece + 1, body.state.position.col(i));
+}
+
+bool isPushedOut(const SoftBodyData& body, const HeldPartner& held, std::uint32_t i) {
+  return !held.out.isZero(0.0) && nearestOnSolid(body, held, i).height < 0.0;
+}
+
+/// Makes `held.out` the direction in which the body gets out of a solid by the shortest way: away from its
+/// centre, or along the normal of a face that is the nearest one of a point inside.
+void chooseWayOut(const SoftBodyData& body, const btConvexShape& shape, const btTransform& pose,
+                  HeldPartner& held) {
+  double shortest = HUGE_VAL;
+  const auto consider = [&](const Vector3d& direction) {
+    if (!(direction.norm() > 0.0)) return;
+    const Vector3d unit = direction.normalized();
+    const btVector3 farthest = pose * shape.localGetSupportingVertex(toBullet(unit) * pose.getBasis());
+    const double end = unit.dot(toEigen(farthest));
+    const double way = end - (unit.transpose() * body.state.position).minCoeff();
+    if (way < shortest) shortest = way, held.out = unit, held.end = end;
+  };
+  consider(body.state.position.rowwise().mean() - toEigen(pose.getOrigin()));
+  for (std::uint32_t i = 0; i < pointCount(body); ++i)
+    if (const HeldPoint nearest = nearestOnSolid(body, held, i); nearest.height < 0.0)
+      consider(nearest.normal);
+}
+
 /// Finds the partners at rest that point i may touch in the box. Returns their pieces: of a single convex
 /// solid those that all points share, else copies at the end of SoftBodyData::held.
 PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedBox3d& box) {
@@ -358,6 +387,7 @@ PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedB
   partners.clear();
   for (std::size_t p = 0; p < body.partners.size(); ++p)
     if (!isMoved(*body.partners[p]) && box.intersects(body.heldPartners[p].box) &&
+        !isPushedOut(body, body.heldPartners[p], i) &&
         !(mayBeExcluded(body) && !canHit(body, i, *body.partners[p])))
       partners.emplace_back(p, 1);
   std::vector<HeldPiece>& pieces = body.held.pieces;
@@ -380,7 +410,29 @@ PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedB
 
 }  // namespace
 
+void findWaysOut(SoftBodyData& body) {
+  if (!isSurfaceBody(body) || body.surface.overlapTicks == 0 || !isSolid(body.model->topology)) return;
+  const double deepest = -2.0 * radiusOf(body);
+  for (std::size_t p = 0; p < body.partners.size(); ++p) {
+    HeldPartner& held = body.heldPartners[p];
+    const btCollisionShape& shape = *body.partners[p]->getCollisionShape();
+    if (held.solid == HeldPartner::kNoSolid || !shape.isConvex()) continue;
+    bool overlaps = false;
+    for (std::uint32_t i = 0; i < pointCount(body) && !overlaps; ++i)
+      overlaps = nearestOnSolid(body, held, i).height < deepest;
+    if (!overlaps) continue;
+    chooseWayOut(body, static_cast<const btConvexShape&>(shape), body.partners[p]->getWorldTransform(), held);
+    body.surface.overlapTicks = SurfaceData::kOverlapTicks;
+  }
+}
+
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
+  for (std::size_t p = 0; p < body.heldPartners.size(); ++p) {
+    const HeldPartner& held = body.heldPartners[p];
+    if (isPushedOut(body, held, i))
+      PlaneRows{body, i, *body.partners[p], searchRegion.distance, tick}.addBelow(
+          held.out, held.out.dot(body.state.position.col(i)) - held.end);
+  }
   const std::size_t before = body.held.pieces.size();
   const PieceRange range = findPieces(body, i, {searchRegion.low, searchRegion.high});
   HeldPiece *first = range.first(body), *last = range.last(body);

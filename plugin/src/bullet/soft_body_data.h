@@ -115,6 +115,9 @@ struct HeldPartner {
   static constexpr std::size_t kNoSolid = static_cast<std::size_t>(-1);
   std::size_t solid = kNoSolid;  ///< index in SoftBodyData::held of its only piece, if it is
                                  ///< one convex solid at rest
+  /// Unit, the shortest way out of a solid into which the body has been placed; 0: there is no such overlap.
+  Eigen::Vector3d out = Eigen::Vector3d::Zero();
+  double end = 0.0;  ///< m, of the solid along `out`
 };
 
 /// What a body knows of an object that was near in the last tick. Later its memory is reused.

@@ -585,7 +585,9 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
   const double h = double(tick);
   if (body.surface.overlapTicks > 0) --body.surface.overlapTicks;
   for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, h, rigids, search, found);
-  for (const btCollisionObject* partner : body.partners) gatherHeld(body, *partner, h, rigids, search, found);
+  for (std::size_t p = 0; p < body.partners.size(); ++p)
+    if (p >= body.heldPartners.size() || body.heldPartners[p].out.isZero(0.0))
+      gatherHeld(body, *body.partners[p], h, rigids, search, found);
   for (SoftBodyData* other : body.softPartners) gatherSoft(body, *other, h, search, found);
   if (body.settings.selfCollision) gatherSelf(body, h, search, found);
   forgetOldSearches(body);

@@ -15,11 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-bool isClosed(const SurfaceTopology& t) {
-  return !t.oneSided.empty() &&
-         std::all_of(t.oneSided.begin(), t.oneSided.end(), [](std::uint8_t solid) { return solid != 0; });
-}
-
 Eigen::AlignedBox3d boxOf(const Points& x) { return {x.rowwise().minCoeff(), x.rowwise().maxCoeff()}; }
 
 /// Writes to `inside` the vertices of a surface that are deeper than `depth` (m) inside the other, with the
@@ -143,7 +138,7 @@ Exit exitAlong(const MovingSurface& surface, const Vector3d& origin, const Vecto
 
 bool findOverlapContacts(const MovingSurface& a, const MovingSurface& b, ContactSearch& search,
                          std::vector<SurfaceContact>& found) {
-  if (!isClosed(*a.topology) || !isClosed(*b.topology)) return false;
+  if (!isSolid(*a.topology) || !isSolid(*b.topology)) return false;
   const SurfacePair pair{a, b, 0.0, false, 0.0};
   std::vector<PenetratingVertex>& inside = search.penetrating;
   inside.clear();

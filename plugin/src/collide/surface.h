@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -72,6 +73,12 @@ struct SurfaceTopology {
   Points rest;                     ///< m, 3 x #points, positions at rest
   double featureSize = 0.0;        ///< m, mean length of the edges at rest; 0 without edges
 };
+
+/// Whether there are triangles, and all are one-sided.
+inline bool isSolid(const SurfaceTopology& t) {
+  return !t.oneSided.empty() &&
+         std::all_of(t.oneSided.begin(), t.oneSided.end(), [](std::uint8_t solid) { return solid != 0; });
+}
 
 /// Builds the topology. The error names the first index that is out of range, the first triangle or segment
 /// with two equal corners, or the first position that is not finite.
