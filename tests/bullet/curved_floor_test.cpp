@@ -282,5 +282,63 @@ TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {
   EXPECT_LT(deepest, 0.0) << "m inside the polyhedron";
 }
 
+// --- a pipe ------------------------------------------------------------------------------------------------
+
+/// Radius (m) of a pipe along x that narrows from 0.12 to 0.09 m between -0.1 and 0.1.
+double pipeRadius(double x) { return 0.12 - 0.15 * (std::clamp(x, -0.1, 0.1) + 0.1); }
+
+/// A pipe of triangles with 16 faces around.
+void addPipe(BulletWorld& bullet) {
+  constexpr int kFaces = 16;
+  auto mesh = std::make_unique<btTriangleMesh>();
+  const auto corner = [](double x, int face) {
+    const double angle = 2.0 * kPi * face / kFaces;
+    return vec(x, pipeRadius(x) * std::cos(angle), pipeRadius(x) * std::sin(angle));
+  };
+  const double rings[] = {-0.5, -0.1, 0.1, 1.2};
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < kFaces; ++i) {
+      const btVector3 a = corner(rings[k], i), b = corner(rings[k + 1], i), c = corner(rings[k + 1], i + 1),
+                      d = corner(rings[k], i + 1);
+      mesh->addTriangle(a, b, c);
+      mesh->addTriangle(a, c, d);
+    }
+  bullet.add(std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true), 0, vec(0, 0, 0));
+  bullet.meshes.push_back(std::move(mesh));
+}
+
+/// Points that are pressed into the groove between two faces touch both, also where they touched one at the
+/// start of the tick. They were pressed through the other one, by a quarter of the radius.
+TEST(Pipe, aTightBallStaysInside) {
+  if (!test::kSurface) GTEST_SKIP() << "the points of a ball are not its surface";
+  TriangleMesh sphere = small_meshes::icosphere(2);
+  for (Vector3d& x : sphere.positions) x *= 0.1;
+  MaterialMesh points;
+  points.points = 60;
+  const SharedNetwork network = *buildMaterialNetwork(sphere, points);
+  for (const double tick : {1.0 / 120.0, 1.0 / 30.0}) {
+    BulletWorld bullet(0.0);
+    addPipe(bullet);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = *withMaterial(*network, {1e5, 0.4, 1000.0, 0.005});
+    s.position = {-0.3, 0, 0};
+    s.friction = 0.0;
+    SoftBody* ball = *system.createBody(network, s);
+    double outside = 0.0, farthest = 0.0;
+    for (int i = 0; i < static_cast<int>(1.2 / tick) && farthest < 0.5; ++i) {
+      const double force = 200.0 - 60.0 * ball->linearMomentum().x();
+      ASSERT_TRUE(ball->applyForce(vec(force, 0, 0)));
+      bullet.tick(tick);
+      farthest = ball->centerOfMass().x();
+      for (std::uint32_t p = 0; p < ball->pointCount(); ++p) {
+        const Vector3d x = ball->position(p);
+        outside = std::max(outside, std::hypot(x.y(), x.z()) - pipeRadius(x.x()));
+      }
+    }
+    EXPECT_GT(farthest, 0.2) << tick;
+    EXPECT_LT(outside, 1e-4) << tick;
+  }
+}
+
 }  // namespace
 }  // namespace limber

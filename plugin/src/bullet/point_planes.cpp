@@ -325,7 +325,16 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
   }
 }
 
-/// Adds contacts that follow the surfaces nearby: for each owner one per direction in which it is near.
+/// Whether the object is a triangle mesh, whose next triangles may become further contacts within the step:
+/// in a groove a point touches two, in a pit three.
+bool isOfTriangles(const HeldPiece* first, const HeldPiece* last, std::uint32_t owner) {
+  return std::any_of(first, last, [&](const HeldPiece& piece) {
+    return piece.owner == owner && piece.kind == HeldPiece::Kind::Sheet;
+  });
+}
+
+/// Adds contacts that follow the surfaces nearby: for each owner one per direction in which it is near, at
+/// least one, and three of triangles.
 void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, PieceRange range,
                       btScalar tick) {
   if (body.neighbourhoodCount == body.neighbourhoods.size())
@@ -340,13 +349,13 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
     PlaneRows rows{body, i, *body.partners[partner], searchRegion.distance, tick};
     for (; owner < endOfOwners; ++owner) {
-      bool any = false;
+      int missing = isOfTriangles(range.first(body), range.last(body), owner) ? 3 : 1;
       for (const HeldContact& c : around.contacts) {
         if (c.owner != owner) continue;
         rows.addFollowing(around, owner, &c);
-        any = true;
+        --missing;
       }
-      if (!any) rows.addFollowing(around, owner, nullptr);
+      for (; missing > 0; --missing) rows.addFollowing(around, owner, nullptr);
     }
   }
 }

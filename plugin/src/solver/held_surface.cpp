@@ -289,8 +289,10 @@ Path slidingPath(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x
   if (begin == end || endOfSolid(begin, end) == end) return straight;
   Vector3d normal = Vector3d::Zero();
   double time = kNoImpact;
+  const double reach = radius + displacement.norm();
   for (const HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = endOfSolid(first, end);
+    if (isFar(*first, x, reach)) continue;
     HeldContact c;
     const double impact = advanceToImpact({first, next, x, straight, radius}, c);
     if (impact < time && c.onFace && c.normal.dot(displacement) < 0.0) time = impact, normal = c.normal;
@@ -299,6 +301,9 @@ Path slidingPath(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x
   const Vector3d into = normal.dot(displacement) * normal;
   return {x + time * into, displacement - into, time};
 }
+
+/// Multiple of the distance within which contacts are searched. A triangle beyond it is far.
+constexpr double kFar = 4.0;
 
 /// Whether the point has stayed clear of all pieces since the last search. Then it has not changed sides of a
 /// sheet either.
@@ -356,10 +361,13 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
   const HeldPiece* end = around.all->pieces.data() + around.end;
   const double maxDistance = within + displacement.norm();
   if (isClear(around, x, maxDistance)) return;
-  double minGap = HUGE_VAL;
+  // farther triangles are not looked at; their sides of the point are those of the last look
+  const double far = kFar * maxDistance;
+  double minGap = far;
   const Path path = slidingPath(begin, end, x, displacement, around.radius);
   for (HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = const_cast<HeldPiece*>(endOfSolid(first, end));
+    if (isFar(*first, x, around.radius + far)) continue;
     if (first->kind == Kind::Sheet) updateSide(*first, x);
     const HeldPoint nearest = nearestOn(first, next, x);
     minGap = std::min(minGap, nearest.height - around.radius);
