@@ -162,14 +162,15 @@ LIMBER_API Result<void> validate(const Material& material);
 /// the scale in `settings`, and the damping if the material has one. All other values are those of
 /// `settings`. The mass is that of SpringNetwork::volume, if it has one.
 /// - Networks of tetrahedra: modulus and ratio hold for small deformations. They are measured on the network
-///   with a few linear solves, which take a second for 5 000 points.
+///   with a few linear solves, which take a second for 5 000 points. With a ratio of 0.25 a cube that is
+///   compressed by more than a fifth to a quarter pushes back no more than 0.17 to 0.18 E A, so a larger load
+///   crushes it to half its height; with 0.4 that begins at 35 to 40 %, with 0.49 not below 70 %.
 /// - Other solids: E = sum k L^2 / (6 V)  with the volume V, the modulus of a random isotropic network. They,
 ///   sheets and ropes have a Poisson ratio of their own.
 /// - Sheets: E t = sum k L^2 / (3 A)  with the area A and the thickness t, which is exact for a lattice of
 ///   equilateral triangles, and up to a half too stiff for stretched cells.
 /// - Ropes: E A = sum k l^2 / L  with the section A and the length L. Ropes and sheets also get a point
-/// radius
-///   of half their thickness, if `settings` have none.
+///   radius of half their thickness, if `settings` have none.
 /// Errors: a rope or sheet without a thickness, a solid that is open; a value out of range.
 LIMBER_API Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
                                                  SoftBodySettings settings = {});
