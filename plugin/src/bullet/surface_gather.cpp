@@ -218,12 +218,8 @@ void listBearing(const SurfaceCandidate& m, std::vector<std::uint64_t>& keys) {
 /// one of them has been placed.
 bool findOverlap(const SurfaceCandidate& m, SurfaceSearch& s) {
   if (isSelf(m) || m.held || (m.partner && m.partner->getCollisionShape()->isCompound())) return false;
-  int& ticks = m.body->surface.overlapTicks;
-  if (ticks == 0 && (!m.other || m.other->surface.overlapTicks == 0)) return false;
-  if (!findOverlapContacts(m.body->surface.moving, surfaceB(m), s.search, s.contacts)) return false;
-  ticks = SurfaceData::kOverlapTicks;
-  if (m.other) m.other->surface.overlapTicks = SurfaceData::kOverlapTicks;
-  return true;
+  const bool tested = m.body->surface.overlapTicks > 0 || (m.other && m.other->surface.overlapTicks > 0);
+  return tested && findOverlapContacts(m.body->surface.moving, surfaceB(m), s.search, s.contacts);
 }
 
 void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
@@ -238,16 +234,25 @@ void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
     findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
 }
 
+/// Has both bodies tested on while there is an overlap.
+void noteOverlap(const SurfaceCandidate& m, const std::vector<SurfaceContact>& contacts) {
+  if (contacts.empty() || !contacts.front().separates) return;
+  m.body->surface.overlapTicks = SurfaceData::kOverlapTicks;
+  if (m.other) m.other->surface.overlapTicks = SurfaceData::kOverlapTicks;
+}
+
 /// Returns the contacts of the last search at the present positions, or those of a new search if one is
 /// needed.
 const std::vector<SurfaceContact>& cachedContacts(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   ContactCache& cache = searchWith(*m.body, partnerOf(m), m.part ? m.part->number : 0).cache;
-  if (refreshContacts(a, b, margin(m), cache)) return cache.contacts;
-  boxedSurface(*m.body, tick);
-  if (m.other) boxedSurface(*m.other, tick);
-  findContacts(m, s);
-  storeContacts(a, b, s.contacts, cache);
+  if (!refreshContacts(a, b, margin(m), cache)) {
+    boxedSurface(*m.body, tick);
+    if (m.other) boxedSurface(*m.other, tick);
+    findContacts(m, s);
+    storeContacts(a, b, s.contacts, cache);
+  }
+  noteOverlap(m, cache.contacts);
   return cache.contacts;
 }
 
