@@ -132,6 +132,24 @@ TEST_F(OverlapTest, placedOrGrownItGetsOut) {
   EXPECT_GT(between(*below, *above, 1), 1.2 * kLeast) << "grown";
 }
 
+/// A body that is attached is where it is meant to be: a part of it is inside what holds it.
+TEST_F(OverlapTest, attachedItStays) {
+  bullet.world->setGravity(vec(0, 0, 0));
+  for (const double mass : {0.0, 1.0}) {
+    btRigidBody* box = bullet.addBox(vec(0.25, 0.25, 0.25), mass, vec(0, 2, 0));
+    SoftBody* cube = addCube(0.35, 2, 0.03);
+    int attached = 0;
+    for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
+      if (cube->position(i).x() < 0.2) attached += system.attach(cube, i, *box) ? 1 : 0;
+    ASSERT_EQ(attached, 9);
+    separate(2.0, 1.0 / 60.0);
+    EXPECT_NEAR(cube->centerOfMass().x() - double(box->getWorldTransform().getOrigin().x()), 0.35, 0.01)
+        << mass;
+    ASSERT_TRUE(system.destroyBody(cube));
+    bullet.world->removeRigidBody(box);
+  }
+}
+
 /// What is inside another as a whole stays there.
 TEST_F(OverlapTest, insideAsAWholeIsNoOverlap) {
   bullet.world->setGravity(vec(0, 0, 0));

@@ -425,7 +425,8 @@ void findWaysOut(SoftBodyData& body) {
   for (std::size_t p = 0; p < body.partners.size(); ++p) {
     HeldPartner& held = body.heldPartners[p];
     const btCollisionShape& shape = *body.partners[p]->getCollisionShape();
-    if (held.solid == HeldPartner::kNoSolid || !shape.isConvex()) continue;
+    if (held.solid == HeldPartner::kNoSolid || !shape.isConvex() || isAttached(body, *body.partners[p]))
+      continue;
     bool overlaps = false;
     for (std::uint32_t i = 0; i < pointCount(body) && !overlaps; ++i)
       overlaps = nearestOnSolid(body, held, i).height < deepest;
@@ -436,9 +437,9 @@ void findWaysOut(SoftBodyData& body) {
 }
 
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
-  for (std::size_t p = 0; p < body.heldPartners.size(); ++p) {
+  for (std::size_t p = 0; body.surface.overlapTicks > 0 && p < body.heldPartners.size(); ++p) {
     const HeldPartner& held = body.heldPartners[p];
-    if (isPushedOut(body, held, i))
+    if (isPushedOut(body, held, i) && !(mayBeExcluded(body) && !canHit(body, i, *body.partners[p])))
       PlaneRows{body, i, *body.partners[p], searchRegion.distance, tick}.addBelow(
           held.out, held.out.dot(body.state.position.col(i)) - held.end);
   }

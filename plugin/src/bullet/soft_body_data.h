@@ -359,6 +359,12 @@ inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollis
                      [&](const Anchor& anchor) { return anchor.point == i && anchor.body == &object; });
 }
 
+/// Whether any point is: the body may be meant to be inside the object.
+inline bool isAttached(const SoftBodyData& body, const btCollisionObject& object) {
+  return std::any_of(body.anchors.begin(), body.anchors.end(),
+                     [&](const Anchor& anchor) { return anchor.body == &object; });
+}
+
 inline bool isSurfaceBody(const SoftBodyData& body) { return body.settings.collision == Collision::Surface; }
 
 /// Returns the object whose friction and restitution apply at point i; the user may have changed them.

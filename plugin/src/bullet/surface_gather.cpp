@@ -217,7 +217,9 @@ void listBearing(const SurfaceCandidate& m, std::vector<std::uint64_t>& keys) {
 /// Finds contacts that separate the body from another soft body, or a rigid one of a single shape, into which
 /// one of them has been placed.
 bool findOverlap(const SurfaceCandidate& m, SurfaceSearch& s) {
-  if (isSelf(m) || m.held || (m.partner && m.partner->getCollisionShape()->isCompound())) return false;
+  if (isSelf(m) || m.held) return false;
+  if (m.partner && (m.partner->getCollisionShape()->isCompound() || isAttached(*m.body, *m.partner)))
+    return false;
   const bool tested = m.body->surface.overlapTicks > 0 || (m.other && m.other->surface.overlapTicks > 0);
   return tested && findOverlapContacts(m.body->surface.moving, surfaceB(m), s.search, s.contacts);
 }

@@ -95,7 +95,6 @@ void loadSprings(SpringBatchArrays& q, const SpringArrays& springs) {
   copy(springs->compressionStiffness, q.compressionStiffness);
   copy(springs.dampHalf, q.dampHalf);
   copy(springs.dampFull, q.dampFull);
-  q.sameStiffness = !springs->kinked;
   if (springs->kinked) {
     reserveNumbers(q.stretch, q.springs);
     reserveNumbers(q.crossingLoss, q.springs);
@@ -172,11 +171,12 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
   body.acceleration = numbers(q.acceleration), body.inverseMass = numbers(q.inverseMass);
   body.restLength = numbers(q.restLength);
   body.extensionStiffness = numbers(q.extensionStiffness);
+  const bool kinked = (*stepped.springs)->kinked;
   // if both are the same, the kernel reads one array less
-  body.compressionStiffness = numbers(q.sameStiffness ? q.extensionStiffness : q.compressionStiffness);
+  body.compressionStiffness = numbers(kinked ? q.compressionStiffness : q.extensionStiffness);
   body.inverseLength = numbers(q.inverseLength);
-  body.stretch = q.sameStiffness ? nullptr : numbers(q.stretch);
-  body.crossingLoss = q.sameStiffness ? nullptr : numbers(q.crossingLoss);
+  body.stretch = kinked ? numbers(q.stretch) : nullptr;
+  body.crossingLoss = kinked ? numbers(q.crossingLoss) : nullptr;
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
   body.volumes = batchVolumes(q, stepped.volumes);
   body.tetrahedra = batchTetrahedra(q, stepped.tetrahedra);

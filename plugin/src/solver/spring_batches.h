@@ -18,7 +18,6 @@ struct SpringBatchArrays {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
   AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf, dampFull,
       stretch, crossingLoss;                   // #springs, padded; the last two if any has two stiffnesses
-  bool sameStiffness = false;                  // extended and compressed, for all springs
   AlignedNumbers gradient, sums;               // of the volume: 4 x (#points + 2), 8 x #components
   AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, padded
   std::vector<unsigned> corners;               // 4 x #tetrahedra, padded
