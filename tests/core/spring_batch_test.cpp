@@ -106,6 +106,59 @@ struct LinkedBody : DeformedBody {
   static LinkEnd point(std::uint32_t i) { return {LinkEnd::Kind::Point, 0, i, Eigen::Vector3d::Zero()}; }
 };
 
+/// A falling body whose points hit a ball, a capsule, a box and planes, some of which bounce. Two points
+/// touch two surfaces.
+struct HittingBody : SteppedTestBody {
+  HittingBody(const SharedNetwork& network, double damping) : SteppedTestBody(network, 300.0, damping) {
+    disturb();
+    for (Eigen::Index i = 0; i < state.velocity.cols(); ++i) state.velocity(1, i) -= 3.0;
+    const double low = state.position.row(1).minCoeff();
+    held.pieces.resize(3);
+    for (HeldPiece& piece : held.pieces) {
+      piece.kind = HeldPiece::Kind::Capsule;
+      piece.margin = 0.5;
+      piece.center = {0.1, low - 0.52, 0.2};
+    }
+    held.pieces[1].size = {0.0, 0.3, 0.0};
+    held.pieces[1].axes = Eigen::Quaterniond(0.9, 0.1, 0.3, 0.2).normalized().toRotationMatrix();
+    held.pieces[2].kind = HeldPiece::Kind::Box;
+    held.pieces[2].size.setConstant(0.5);
+    const auto count = static_cast<std::uint32_t>(state.position.cols());
+    around.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) addRows(i, low - 0.02);
+    contacts = &rows;
+  }
+  HittingBody(const HittingBody&) = delete;
+  HittingBody& operator=(const HittingBody&) = delete;
+
+  void addRows(std::uint32_t point, double floor) {
+    PlaneContact row;
+    row.point = point;
+    row.friction = 0.4;
+    row.recoverySpeed = 1.0;
+    row.restitution = point % 7 == 6 ? 0.5 : 0.0;
+    row.touch = state.position.col(point);
+    row.touch.y() = floor;
+    if (point % 5 != 4) {
+      around[point].all = &held;
+      around[point].begin = point % 3, around[point].end = around[point].begin + 1;
+      around[point].radius = point % 11 == 10 ? 0.01 : 0.02;
+      row.around = &around[point];
+      row.away = true;
+      row.surfaceVelocity = {0.0, 0.0, point % 2 ? 0.1 : 0.0};
+    }
+    rows.push_back(row);
+    if (point % 9 != 8) return;
+    rows.push_back(rows.back());
+    rows.back().around = nullptr;
+    rows.back().normal = Eigen::Vector3d(0.3, 1.0, 0.0).normalized();
+  }
+
+  HeldSurroundings held;
+  std::vector<HeldNeighbourhood> around;
+  std::vector<PlaneContact> rows;
+};
+
 /// Steps two equal bodies, one of them with single springs, and compares them.
 template <class Body>
 void compareSteps(const SharedNetwork& network, double damping) {
@@ -138,6 +191,35 @@ TEST(Quads, giveTheBitsOfSpringBySpringToLinkedBodies) {
   if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has neither AVX2 nor NEON";
   for (const SharedNetwork& network : networks())
     for (const double damping : {0.0, 0.2}) compareSteps<LinkedBody>(network, damping);
+}
+
+/// Rows that the kernel solves four at a time must end as the others do.
+TEST(Quads, giveTheBitsOfSingleContacts) {
+  if (!canStepSpringBatches()) GTEST_SKIP() << "this machine has neither AVX2 nor NEON";
+  for (const SharedNetwork& network : networks()) {
+    SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points");
+    HittingBody single(network, 0.2), four(network, 0.2);
+    SpringBatchArrays springBatches;
+    four.stepped().springBatches = &springBatches;
+    single.stepped();
+    double pressed = 0.0;
+    for (int tick = 0; tick < 30; ++tick) {
+      stepVerlet(single.group, 1.0 / 60, 8);
+      stepVerlet(four.group, 1.0 / 60, 8);
+      ASSERT_TRUE((single.state.position.array() == four.state.position.array()).all()) << tick;
+      ASSERT_TRUE((single.state.velocity.array() == four.state.velocity.array()).all()) << tick;
+      for (std::size_t i = 0; i < single.rows.size(); ++i) {
+        const PlaneContact &a = single.rows[i], &b = four.rows[i];
+        ASSERT_TRUE(a.normal == b.normal && a.touch == b.touch) << tick << " row " << i;
+        ASSERT_TRUE(a.impulse.sum == b.impulse.sum && a.impulse.pressing == b.impulse.pressing);
+        ASSERT_TRUE(a.away == b.away && a.mass == b.mass && a.touching == b.touching) << tick << " row " << i;
+        pressed += b.impulse.along;
+      }
+    }
+    if (single.rows.size() > 20) {
+      EXPECT_GT(pressed, 0.0);
+    }
+  }
 }
 
 // --- strips ------------------------------------------------------------------------------------------------

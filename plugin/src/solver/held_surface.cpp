@@ -2,6 +2,7 @@
 #include "solver/held_surface.h"
 
 #include "mesh/surface.h"
+#include "solver/plane_kernel.h"
 
 #include <Eigen/Geometry>
 
@@ -15,9 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Kind = HeldPiece::Kind;
 
-/// Share of the radius: contacts nearer than this are evaluated at the point's present position, not at
-/// impact.
-constexpr double kTouching = 0.05;
+using kernel::kNoImpact, kernel::kTouching;
 
 /// Share of the radius: radius of a ball that must fit at the contact point without an overlap. It fits
 /// beside a step of any height where the point itself fits.
@@ -34,8 +33,6 @@ constexpr double kRoundNormalCosine = 0.98;
 
 /// Depth of its chords, as a fraction of the radius: 1 - cos(pi / 64) and rounding.
 constexpr double kRoundDepth = 0.0015;
-
-constexpr int kMaxPointAdvances = 12;
 
 bool isOfRevolution(Kind kind) {
   return kind == Kind::Capsule || kind == Kind::Cylinder || kind == Kind::Cone;
@@ -64,10 +61,8 @@ HeldPoint nearestOnBox(const HeldPiece& box, const Vector3d& x) {
 }
 
 HeldPoint nearestOnCapsule(const HeldPiece& capsule, const Vector3d& x) {
-  const Vector3d axis = capsule.axes.col(1), to = x - capsule.center;
-  const Vector3d away = to - std::clamp(axis.dot(to), -capsule.size[1], capsule.size[1]) * axis;
-  if (away.isZero(0.0)) return {capsule.axes.col(0), -capsule.margin, false};
-  return outside(away, capsule, false);
+  const kernel::Nearest<double> nearest = kernel::nearestOn(capsuleOf(capsule), x.data());
+  return {Vector3d::Map(nearest.normal), nearest.height, false};
 }
 
 /// A point in the half plane of a solid of revolution: distance from the axis, height along it.
@@ -187,22 +182,17 @@ HeldContact contactAt(const Approach& m, const HeldPoint& nearest, const Vector3
   return c;
 }
 
-constexpr double kNoImpact = 2.0;
-
-/// Follows the point by conservative advancement until it hits the solid. Returns the time of impact on the
-/// path, or kNoImpact.
+/// Follows the point until it hits the solid. Returns the time of impact on the path, or kNoImpact.
 double advanceToImpact(const Approach& m, HeldContact& c) {
-  double time = m.path.start;
-  HeldPoint nearest = nearestOn(m.first, m.end, m.path.at(time));
-  for (int i = 0; i < kMaxPointAdvances; ++i) {
-    const double gap = nearest.height - m.radius;
-    if (gap <= 0.01 * kTouching * m.radius) break;
-    const double approach = -nearest.normal.dot(m.path.displacement);
-    if (!(approach > 0.0) || time + gap / approach > 1.0) return kNoImpact;
-    time += gap / approach;
-    nearest = nearestOn(m.first, m.end, m.path.at(time));
-  }
-  c = contactAt(m, nearest, m.path.at(time));
+  HeldPoint at;
+  const auto nearestAt = [&](const double* x) -> kernel::Nearest<double> {
+    at = nearestOn(m.first, m.end, Vector3d::Map(x));
+    return {{at.normal[0], at.normal[1], at.normal[2]}, at.height};
+  };
+  kernel::Nearest<double> nearest = nearestAt(m.path.at(m.path.start).data());
+  const double time = kernel::advanceToImpact(m.path.from.data(), m.path.displacement.data(), m.path.start,
+                                              kernel::kHasCome * m.radius, m.radius, nearestAt, nearest);
+  c = contactAt(m, at, m.path.at(time));
   return time;
 }
 
@@ -340,18 +330,29 @@ HeldPoint nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d
   return nearestOnSheet(*first, x);
 }
 
-bool isSingleSolid(const HeldNeighbourhood& around) {
-  if (around.end != around.begin + 1) return false;
-  const Kind kind = around.all->pieces[around.begin].kind;
-  return kind != Kind::Face && kind != Kind::Sheet;
+kernel::Capsule<double> capsuleOf(const HeldPiece& piece) {
+  kernel::Capsule<double> capsule{};
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    capsule.center[c] = piece.center[c];
+    capsule.axis[c] = piece.axes(c, 1);
+    capsule.side[c] = piece.axes(c, 0);
+  }
+  capsule.half = piece.size[1], capsule.radius = piece.margin;
+  return capsule;
 }
 
-bool findContact(const HeldNeighbourhood& around, const Vector3d& x, const Vector3d& displacement,
+const HeldPiece* singleSolid(const HeldNeighbourhood& around) {
+  if (around.end != around.begin + 1) return nullptr;
+  const HeldPiece& piece = around.all->pieces[around.begin];
+  return piece.kind != Kind::Face && piece.kind != Kind::Sheet ? &piece : nullptr;
+}
+
+bool findContact(const HeldPiece& solid, double radius, const Vector3d& x, const Vector3d& displacement,
                  double within, HeldContact& contact) {
-  const HeldPiece* solid = around.all->pieces.data() + around.begin;
+  const HeldPiece* end = &solid + 1;
   const Path path{x, displacement};
-  const Approach approach{solid, solid + 1, x, path, around.radius};
-  return findContact(approach, nearestOn(solid, solid + 1, x), within + displacement.norm(), contact);
+  const Approach approach{&solid, end, x, path, radius};
+  return findContact(approach, nearestOn(&solid, end, x), within + displacement.norm(), contact);
 }
 
 void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& displacement, double within) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "solver/plane_kernel.h"
+
 #include <Eigen/Core>
 
 #include <cstdint>
@@ -66,11 +68,16 @@ struct HeldNeighbourhood {
   double clear = 0.0;  ///< m, motion from there without a contact; 0: contact is possible at once
 };
 
-/// Whether the only piece near the point is a convex solid: nothing hides or covers its contact.
-bool isSingleSolid(const HeldNeighbourhood& around);
+/// Returns a piece of Kind::Capsule for the kernels.
+kernel::Capsule<double> capsuleOf(const HeldPiece& piece);
 
-/// Finds the contact with a single solid, see below. Returns false if there is none.
-bool findContact(const HeldNeighbourhood& around, const Eigen::Vector3d& x,
+/// Returns the only piece near the point if it is a convex solid, else nullptr. Nothing hides or covers its
+/// contact.
+const HeldPiece* singleSolid(const HeldNeighbourhood& around);
+
+/// Finds the contact with a single solid, see below. `radius`: m, of the point. Returns false if there is
+/// none.
+bool findContact(const HeldPiece& solid, double radius, const Eigen::Vector3d& x,
                  const Eigen::Vector3d& displacement, double within, HeldContact& contact);
 
 /// Fills around.contacts with the possible contacts of a point at `x` that is about to move by `displacement`

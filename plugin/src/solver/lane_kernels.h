@@ -35,6 +35,8 @@ inline void reserveNumbers(AlignedNumbers& array, std::size_t count) {
 namespace limber::kernel {
 
 struct ContactCalls;
+template <class V>
+struct Capsule;
 
 /// kernel::Volumes for both kinds of bodies below. gradient and sums are packs in a LaneBody; for the others
 /// see SpringBatchBody::volumes. `components` is 0 without a volume term.
@@ -110,6 +112,21 @@ struct SpringBatchBody {
   const ContactCalls* contacts;
 };
 
+/// Contacts of points with a plane each, in groups of four, and those points, each with four doubles. Points
+/// that fill up a group repeat its first one, without a contact.
+struct PlaneBody {
+  static constexpr unsigned kFixed = static_cast<unsigned>(-1);
+
+  const unsigned* points;     ///< 4 x #groups
+  double* planes;             ///< #groups x a Plane of four doubles per number
+  const unsigned* capsuleOf;  ///< #groups: the capsule that the planes follow; kFixed: none
+  const Capsule<double>* capsules;
+  double radius;  ///< m, of points on capsules
+  const double* position;
+  double* velocity;
+  const double* inverseMass;
+};
+
 /// The points, or slots, from `begin` to `end`, or those with these entries of `numbers`, if it is set.
 struct BatchPoints {
   unsigned begin, end;
@@ -129,6 +146,11 @@ void clearBatchForces(const SpringBatchBody& body, const BatchPoints& points);
 void kickBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& points);
 void driftBatchPoints(const SpringBatchBody& body, double dt, const BatchPoints& points);
 void dampBatchSprings(const SpringBatchBody& body, bool whole, bool forward, unsigned begin, unsigned end);
+
+/// Solve the contacts of groups before a drift of dt from `time`, and after the kick that follows it: see
+/// solvePositions() and solveVelocities() of plane_contacts.h. Need AVX2 or NEON.
+void stopBatchPoints(const PlaneBody& body, unsigned begin, unsigned end, double time, double dt);
+void settleBatchPoints(const PlaneBody& body, unsigned begin, unsigned end);
 
 /// Copy quantities of the ends of springs in strips between their slots and the points. They do nothing for
 /// other bodies.

@@ -13,11 +13,16 @@ constexpr int kSweepsInCorners = 8;
 /// Bounces within a substep; a point with more of them rests.
 constexpr int kMaxBounces = 8;
 
+/// Adds in the order of the kernels, unlike Eigen: see pack.h.
+inline double dot(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return kernel::dot(a.data(), b.data());
+}
+
 /// Brings the point's normal speed relative to the surface up to `target`, with friction against sliding.
 inline void applyRow(PlaneContact& row, const PointView& points, double target) {
   auto velocity = points.velocityOf(row.point);
   const Eigen::Vector3d relative = velocity - row.surfaceVelocity - row.time * row.surfaceAcceleration;
-  const double speed = row.normal.dot(relative);
+  const double speed = dot(row.normal, relative);
   row.touching = speed < target && row.mass > 0.0;
   if (!row.touching) return;
   Eigen::Vector3d impulse;
@@ -28,17 +33,17 @@ inline void applyRow(PlaneContact& row, const PointView& points, double target) 
 }
 
 inline double speedAlong(const PlaneContact& row, const PointView& points) {
-  return row.normal.dot(points.velocityOf(row.point) - row.surfaceVelocity);
+  return dot(row.normal, points.velocityOf(row.point) - row.surfaceVelocity);
 }
 
 /// Sets the target speed of the point before a drift of dt from `time`.
 inline void setTarget(PlaneContact& row, const PointView& points, double time, double dt) {
-  const double gap = row.normal.dot(points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
+  const double gap = dot(row.normal, points.positionOf(row.point) - row.touch - time * row.surfaceVelocity);
   row.target = minSpeed(gap, row.recoverySpeed, dt);
   row.time = time + 0.5 * dt;
   row.bounces = false;
   if (!(row.restitution > 0.0)) return;
-  const double before = row.normal.dot(row.surfaceVelocity - row.lastVelocity);
+  const double before = dot(row.normal, row.surfaceVelocity - row.lastVelocity);
   addBounce(row, row, gap, -speedAlong(row, points), before, dt);
 }
 
@@ -51,12 +56,10 @@ inline void finishBounce(PlaneContact& row, const PointView& points) {
   row.impulse.add(impulse, row.normal, size);
 }
 
-/// Shares of the radius. Surfaces are followed to the first distance beyond a point's displacement, since
-/// other contacts may push it there. Surfaces within the second support the point at the end of a substep.
-constexpr double kSearchBeyond = 1.0 / 3.0, kSupportDistance = 0.01;
+using kernel::kSearchBeyond, kernel::kSupportDistance;
 
 double massAlongNormal(const PlaneContact& row, const PointView& points) {
-  const double mobility = row.normal.dot(points.inverseMassOf(row.point).cwiseProduct(row.normal));
+  const double mobility = dot(row.normal, points.inverseMassOf(row.point).cwiseProduct(row.normal));
   return mobility > 0.0 && !row.coupled && !row.away ? 1.0 / mobility : 0.0;
 }
 
@@ -79,23 +82,44 @@ PlaneContact* unusedRowFor(const HeldContact& c, PlaneContact* rows, std::size_t
 void setPlane(PlaneContact& row, const HeldContact& c, const PointView& points) {
   row.away = c.normal.dot(row.facing) < 0.0;
   row.normal = c.normal;
-  row.surfaceVelocity -= c.normal.dot(row.surfaceVelocity) * c.normal;
+  row.surfaceVelocity -= dot(c.normal, row.surfaceVelocity) * c.normal;
   row.touch = c.touch;
   row.mass = massAlongNormal(row, points);
+}
+
+/// Finds the contact of the row with the only solid near its point, with the bits of kernel::follow().
+bool findSingle(const HeldPiece& solid, double radius, const PlaneContact& row, const Eigen::Vector3d& x,
+                const Eigen::Vector3d& displacement, double within, HeldContact& c) {
+  if (solid.kind != HeldPiece::Kind::Capsule) return findContact(solid, radius, x, displacement, within, c);
+  c.normal = row.normal, c.touch = row.touch;
+  return kernel::followCapsule(capsuleOf(solid), x.data(), displacement.data(), within, radius,
+                               c.normal.data(), c.touch.data()) <= 1.0;
 }
 
 /// The case of most points: one fixed plane.
 bool isSingleFixedPlane(const PlaneContact* rows, std::size_t count) { return count == 1 && !rows->around; }
 
-/// Calls visit(rows, count) for each point.
+/// Calls visit(rows, count) for each point whose rows are not packed.
 template <class Visit>
-void forEachPoint(ContactRows rows, Visit visit) {
+void forEachPoint(const ContactRows& rows, Visit visit) {
+  if (rows.packed) {
+    for (std::uint32_t i = rows.begin.loose; i < rows.end.loose; ++i) {
+      const Range& range = rows.packed->loose[i];
+      visit(rows.first + range.begin, std::size_t{range.end - range.begin});
+    }
+    return;
+  }
   PlaneContact* first = rows.first;
   for (PlaneContact* end = first; first != rows.last; first = end) {
     do ++end;
     while (end != rows.last && end->point == first->point);
     visit(first, static_cast<std::size_t>(end - first));
   }
+}
+
+kernel::PlaneBody planeBody(PackedPlanes& p, const PointView& points) {
+  return {p.points.data(), numbers(p.planes), p.capsuleOf.data(), p.capsules.data(),
+          p.radius,        points.position,   points.velocity,    points.inverseMass};
 }
 
 void follow(PlaneContact* rows, std::size_t count, const PointView& points, double dt, double beyond) {
@@ -146,7 +170,9 @@ void solvePointVelocity(PlaneContact* rows, std::size_t count, const PointView& 
 }  // namespace
 
 bool areFixedPlanes(const std::vector<PlaneContact>& rows) {
-  const auto isOther = [](const PlaneContact& row) { return row.around || row.restitution > 0.0; };
+  const auto isOther = [](const PlaneContact& row) {
+    return row.around || row.restitution > 0.0 || !row.surfaceAcceleration.isZero(0.0);
+  };
   const auto haveOnePoint = [](const PlaneContact& a, const PlaneContact& b) { return a.point == b.point; };
   return std::none_of(rows.begin(), rows.end(), isOther) &&
          std::adjacent_find(rows.begin(), rows.end(), haveOnePoint) == rows.end();
@@ -164,9 +190,10 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
                    const Eigen::Vector3d& displacement, double within) {
   HeldNeighbourhood* around = neighbourhoodOf(rows, count);
   if (!around) return;
-  if (count == 1 && isSingleSolid(*around)) {
+  if (const HeldPiece* solid = count == 1 ? singleSolid(*around) : nullptr) {
     HeldContact c;
-    if (findContact(*around, points.positionOf(rows->point), displacement, within, c))
+    const Eigen::Vector3d x = points.positionOf(rows->point);
+    if (findSingle(*solid, around->radius, *rows, x, displacement, within, c))
       setPlane(*rows, c, points);
     else
       rows->away = true, rows->mass = 0.0;
@@ -181,8 +208,9 @@ void followSurface(PlaneContact* rows, std::size_t count, const PointView& point
 }
 
 void followSurfaces(std::vector<PlaneContact>& rows, const PointView& points, double dt) {
-  forEachPoint(
-      rows, [&](PlaneContact* first, std::size_t count) { follow(first, count, points, dt, kSearchBeyond); });
+  forEachPoint(ContactRows(rows), [&](PlaneContact* first, std::size_t count) {
+    follow(first, count, points, dt, kSearchBeyond);
+  });
 }
 
 void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points) {
@@ -220,23 +248,162 @@ void addBounce(ContactTarget& target, const ContactBase& contact, double gap, do
             true};
 }
 
-void solvePositions(ContactRows rows, const PointView& points, double time, double dt) {
+void solvePositions(const ContactRows& rows, const PointView& points, double time, double dt) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
     if (!isSingleFixedPlane(first, count)) return solvePointPosition(first, count, points, time, dt);
     setTarget(*first, points, time, dt);
     applyRow(*first, points, first->target);
   });
+  if (rows.begin.group == rows.end.group) return;
+  kernel::stopBatchPoints(planeBody(*rows.packed, points), rows.begin.group, rows.end.group, time, dt);
 }
 
-void solveVelocities(ContactRows rows, const PointView& points) {
+void solveVelocities(const ContactRows& rows, const PointView& points) {
   forEachPoint(rows, [&](PlaneContact* first, std::size_t count) {
-    if (!isSingleFixedPlane(first, count)) return solvePointVelocity(first, count, points);
-    if (!first->touching) return;
-    if (first->bounces) return finishBounce(*first, points);
-    applyRow(*first, points, 0.0);
+    if (!isSingleFixedPlane(first, count)) {
+      solvePointVelocity(first, count, points);
+    } else if (first->touching) {
+      if (first->bounces)
+        finishBounce(*first, points);
+      else
+        applyRow(*first, points, 0.0);
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      if (first[i].restitution > 0.0) first[i].lastVelocity = points.velocityOf(first->point);
   });
-  for (PlaneContact* row = rows.first; row != rows.last; ++row)
-    if (row->restitution > 0.0) row->lastVelocity = points.velocityOf(row->point);
+  if (rows.begin.group == rows.end.group) return;
+  kernel::settleBatchPoints(planeBody(*rows.packed, points), rows.begin.group, rows.end.group);
+}
+
+// --- packed rows -------------------------------------------------------------------------------------------
+
+namespace {
+
+double* numbersOf(kernel::Plane<double>& plane) { return plane.normal; }
+const double* numbersOf(const kernel::Capsule<double>& capsule) { return capsule.center; }
+
+bool isSame(const kernel::Capsule<double>& a, const kernel::Capsule<double>& b) {
+  return std::equal(numbersOf(a), numbersOf(a) + sizeof(a) / sizeof(double), numbersOf(b));
+}
+
+const HeldPiece* capsuleAt(const PlaneContact& row) {
+  const HeldPiece* solid = row.around ? singleSolid(*row.around) : nullptr;
+  return solid && solid->kind == HeldPiece::Kind::Capsule ? solid : nullptr;
+}
+
+bool canBePacked(const PlaneContact& row, double radius) {
+  if (row.coupled || row.restitution > 0.0 || !row.surfaceAcceleration.isZero(0.0)) return false;
+  if (!row.around) return true;
+  return capsuleAt(row) && row.around->radius == radius && row.facing.isZero(0.0);
+}
+
+/// Returns the number of the capsule that the row follows. Most rows have that of the row before.
+unsigned numberCapsule(PackedPlanes& p, const PlaneContact& row) {
+  if (!row.around) return kernel::PlaneBody::kFixed;
+  const kernel::Capsule<double> capsule = capsuleOf(*capsuleAt(row));
+  const auto isIt = [&](const kernel::Capsule<double>& other) { return isSame(capsule, other); };
+  const auto found = std::find_if(p.capsules.rbegin(), p.capsules.rend(), isIt);
+  if (found != p.capsules.rend()) return static_cast<unsigned>(p.capsules.rend() - found - 1);
+  p.capsules.push_back(capsule);
+  return static_cast<unsigned>(p.capsules.size() - 1);
+}
+
+double* groupNumbers(PackedPlanes& p, std::size_t group) {
+  return numbers(p.planes) + 4 * kPlaneNumbers * group;
+}
+
+/// Adds a group all of whose lanes are filled up with the point.
+std::size_t addGroup(PackedPlanes& p, unsigned capsule, std::uint32_t point) {
+  const std::size_t group = p.capsuleOf.size();
+  p.capsuleOf.push_back(capsule);
+  p.points.insert(p.points.end(), 4, point);
+  p.rows.insert(p.rows.end(), 4, PackedPlanes::kNoRow);
+  reserveNumbers(p.planes, 4 * kPlaneNumbers * (group + 1));
+  std::fill_n(groupNumbers(p, group), 4 * kPlaneNumbers, 0.0);
+  return group;
+}
+
+/// Returns the lane, counted over all groups, for a row of the present block.
+std::size_t laneFor(PackedPlanes& p, unsigned capsule, std::uint32_t point) {
+  for (std::size_t group = p.capsuleOf.size(); group-- > p.blocks.back().group;) {
+    if (p.capsuleOf[group] != capsule) continue;
+    for (std::size_t lane = 4 * group; lane < 4 * group + 4; ++lane)
+      if (p.rows[lane] == PackedPlanes::kNoRow) return lane;
+    break;
+  }
+  return 4 * addGroup(p, capsule, point);
+}
+
+void packRow(PackedPlanes& p, const std::vector<PlaneContact>& rows, std::uint32_t index) {
+  const std::uint32_t point = rows[index].point;
+  const std::size_t lane = laneFor(p, numberCapsule(p, rows[index]), point);
+  p.points[lane] = point;
+  p.rows[lane] = index;
+  toLane(rows[index], groupNumbers(p, lane / 4) + lane % 4, 4);
+}
+
+void startBlock(PackedPlanes& p) {
+  p.blocks.push_back(
+      {static_cast<std::uint32_t>(p.capsuleOf.size()), static_cast<std::uint32_t>(p.loose.size())});
+}
+
+}  // namespace
+
+void packPlanes(const std::vector<PlaneContact>& rows, std::uint32_t points, PackedPlanes& p) {
+  p.points.clear(), p.capsuleOf.clear(), p.rows.clear();
+  p.capsules.clear(), p.loose.clear(), p.blocks.clear();
+  const auto followed = std::find_if(rows.begin(), rows.end(), capsuleAt);
+  p.radius = followed != rows.end() ? followed->around->radius : 0.0;
+  const auto count = static_cast<std::uint32_t>(rows.size());
+  std::uint32_t next = 0;
+  for (std::uint32_t block = 0; block < points; block += kContactPoints) {
+    startBlock(p);
+    for (std::uint32_t row = next; row < count && rows[row].point < block + kContactPoints; row = next) {
+      do ++next;
+      while (next < count && rows[next].point == rows[row].point);
+      if (next == row + 1 && canBePacked(rows[row], p.radius))
+        packRow(p, rows, row);
+      else
+        p.loose.push_back({row, next});
+    }
+  }
+  startBlock(p);
+}
+
+void unpackPlanes(PackedPlanes& p, std::vector<PlaneContact>& rows) {
+  for (std::size_t lane = 0; lane < p.rows.size(); ++lane)
+    if (p.rows[lane] != PackedPlanes::kNoRow)
+      fromLane(groupNumbers(p, lane / 4) + lane % 4, 4, rows[p.rows[lane]]);
+}
+
+void toLane(const PlaneContact& row, double* numbers, std::size_t lanes) {
+  kernel::Plane<double> plane{};
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    plane.normal[c] = row.normal[c];
+    plane.touch[c] = row.touch[c];
+    plane.surfaceVelocity[c] = row.surfaceVelocity[c];
+    plane.impulse[c] = row.impulse.sum[c];
+    plane.pressing[c] = row.impulse.pressing[c];
+  }
+  plane.along = row.impulse.along;
+  plane.friction = row.friction, plane.recoverySpeed = row.recoverySpeed;
+  plane.mass = row.away ? kernel::kAway : row.mass;
+  plane.least = row.touching ? 0.0 : kernel::kNoLeast;
+  for (std::size_t i = 0; i < kPlaneNumbers; ++i) numbers[i * lanes] = numbersOf(plane)[i];
+}
+
+void fromLane(const double* numbers, std::size_t lanes, PlaneContact& row) {
+  kernel::Plane<double> plane{};
+  for (std::size_t i = 0; i < kPlaneNumbers; ++i) numbersOf(plane)[i] = numbers[i * lanes];
+  row.normal = Eigen::Vector3d::Map(plane.normal);
+  row.touch = Eigen::Vector3d::Map(plane.touch);
+  row.surfaceVelocity = Eigen::Vector3d::Map(plane.surfaceVelocity);
+  row.away = plane.mass == kernel::kAway;
+  row.mass = row.away ? 0.0 : plane.mass;
+  row.impulse.sum = Eigen::Vector3d::Map(plane.impulse);
+  row.impulse.pressing = Eigen::Vector3d::Map(plane.pressing);
+  row.impulse.along = plane.along;
+  row.touching = plane.least == 0.0;
 }
 
 }  // namespace limber

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "solver/division.h"
 #include "solver/held_surface.h"
+#include "solver/lane_kernels.h"
 #include "solver/plane_kernel.h"
 #include "solver/point_state.h"
 
@@ -118,15 +120,63 @@ bool areFixedPlanes(const std::vector<PlaneContact>& rows);
 
 // --- points on planes --------------------------------------------------------------------------------------
 
+/// Points whose contacts are one task: enough work for a thread, and few enough for an even load.
+constexpr std::uint32_t kContactPoints = 128;
+
+/// Rows in the layout of the kernel that solves four at once: those of points with one row, on a fixed plane
+/// or on a ball or capsule at rest, without a bounce. Until they are unpacked, the rows do not change.
+struct PackedPlanes {
+  static constexpr std::uint32_t kNoRow = static_cast<std::uint32_t>(-1);
+
+  // Four by four, see kernel::PlaneBody. All points of a group are in the same block.
+  std::vector<unsigned> points, capsuleOf;
+  std::vector<std::uint32_t> rows;  ///< 4 x #groups; kNoRow: fills up the group
+  AlignedNumbers planes;
+  std::vector<kernel::Capsule<double>> capsules;
+  double radius = 0.0;  ///< m, of points on capsules
+
+  std::vector<Range> loose;  ///< the rows of each other point
+
+  /// The first group and the first entry of `loose` of kContactPoints points.
+  struct Block {
+    std::uint32_t group, loose;
+  };
+  std::vector<Block> blocks;  ///< #blocks + 1
+};
+
+/// Packs the rows of a body with this number of points. Call it after prepareContacts().
+void packPlanes(const std::vector<PlaneContact>& rows, std::uint32_t points, PackedPlanes& packed);
+
+/// Updates the rows from the packed ones.
+void unpackPlanes(PackedPlanes& packed, std::vector<PlaneContact>& rows);
+
+constexpr std::size_t kPlaneNumbers = sizeof(kernel::Plane<double>) / sizeof(double);
+
+/// Copy a row to a lane of a kernel::Plane, and back. `numbers`: the lane's first number; `lanes`: how many
+/// there are.
+void toLane(const PlaneContact& row, double* numbers, std::size_t lanes);
+void fromLane(const double* numbers, std::size_t lanes, PlaneContact& row);
+
 /// All rows of a body, or those of some of its points.
 struct ContactRows {
   PlaneContact *first, *last;
+  PackedPlanes* packed = nullptr;      ///< nullptr: none is packed
+  PackedPlanes::Block begin{}, end{};  ///< in it
 
-  ContactRows(std::vector<PlaneContact>& rows) : first(rows.data()), last(first + rows.size()) {}
-  /// The rows of the points from `begin` to `end`.
-  ContactRows(std::vector<PlaneContact>& rows, std::uint32_t begin, std::uint32_t end)
-      : first(rows.data() + contactsOfPoint(rows, begin).begin),
-        last(rows.data() + contactsOfPoint(rows, end).begin) {}
+  explicit ContactRows(std::vector<PlaneContact>& rows, PackedPlanes* p = nullptr)
+      : first(rows.data()), last(first + rows.size()), packed(p) {
+    if (p) begin = p->blocks.front(), end = p->blocks.back();
+  }
+  /// The rows of the points from `from` to `to`: kContactPoints of them, or the last ones.
+  ContactRows(std::vector<PlaneContact>& rows, PackedPlanes* p, std::uint32_t from, std::uint32_t to)
+      : ContactRows(rows, p) {
+    if (p) {
+      begin = p->blocks[from / kContactPoints], end = p->blocks[from / kContactPoints + 1];
+    } else {
+      first = rows.data() + contactsOfPoint(rows, from).begin;
+      last = rows.data() + contactsOfPoint(rows, to).begin;
+    }
+  }
 };
 
 /// Updates the planes of the `count` rows of one point to the surfaces at the point, or where it hits them
@@ -143,7 +193,7 @@ void prepareContacts(std::vector<PlaneContact>& rows, const PointView& points);
 /// Changes velocities before a drift of `dt` from `time` (s since the start of the tick): no point ends below
 /// a surface, and friction reduces sliding as far as it can. A point already below is lifted slowly. Rows of
 /// one point alternate until they agree; rows of different points are independent, so this is exact.
-void solvePositions(ContactRows rows, const PointView& points, double time, double dt);
+void solvePositions(const ContactRows& rows, const PointView& points, double time, double dt);
 
 /// Finds contacts that were not predicted at the tick's start. Called before solvePositions() of each drift.
 struct ContactWatch {
@@ -170,6 +220,6 @@ struct ContactWatch {
 /// Changes velocities after the second kick of a substep: points that touch do not approach. Completes
 /// solvePositions as RATTLE completes SHAKE: velocities are those of bodies at rest, not of a step in free
 /// fall.
-void solveVelocities(ContactRows rows, const PointView& points);
+void solveVelocities(const ContactRows& rows, const PointView& points);
 
 }  // namespace limber

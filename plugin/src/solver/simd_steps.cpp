@@ -206,25 +206,6 @@ void numberPlanes(const Lanes& lanes) {
   }
 }
 
-constexpr std::size_t kPlaneNumbers = sizeof(kernel::Plane<double>) / sizeof(double);
-constexpr std::size_t kFirstResult = offsetof(kernel::Plane<double>, least) / sizeof(double);
-
-double* numbersOf(kernel::Plane<double>& plane) { return plane.normal; }
-
-kernel::Plane<double> planeOf(const PlaneContact& row) {
-  kernel::Plane<double> plane{};
-  for (Eigen::Index c = 0; c < 3; ++c) {
-    plane.normal[c] = row.normal[c];
-    plane.touch[c] = row.touch[c];
-    plane.surfaceVelocity[c] = row.surfaceVelocity[c];
-    plane.impulse[c] = row.impulse.sum[c];
-    plane.pressing[c] = row.impulse.pressing[c];
-  }
-  plane.along = row.impulse.along;
-  plane.friction = row.friction, plane.recoverySpeed = row.recoverySpeed, plane.mass = row.mass;
-  return plane;
-}
-
 /// Calls visit(row, index of its first number in `planes`) for all contacts in `planes`.
 template <class Visit>
 void forEachPlane(const Lanes& lanes, Visit visit) {
@@ -242,21 +223,13 @@ void loadPlanes(const Lanes& lanes) {
   reserveNumbers(s.planes, count);
   if (count > 0) std::fill_n(numbers(s.planes), count, 0.0);
   forEachPlane(lanes, [&](PlaneContact& row, std::size_t first) {
-    kernel::Plane<double> plane = planeOf(row);
-    for (std::size_t i = 0; i < kPlaneNumbers; ++i)
-      numbers(s.planes)[first + i * lanes.count] = numbersOf(plane)[i];
+    toLane(row, numbers(s.planes) + first, lanes.count);
   });
 }
 
 void unloadPlanes(const Lanes& lanes) {
   forEachPlane(lanes, [&](PlaneContact& row, std::size_t first) {
-    kernel::Plane<double> plane{};
-    for (std::size_t i = kFirstResult; i < kPlaneNumbers; ++i)
-      numbersOf(plane)[i] = numbers(lanes.scratch.planes)[first + i * lanes.count];
-    row.impulse.sum = Eigen::Vector3d::Map(plane.impulse);
-    row.impulse.pressing = Eigen::Vector3d::Map(plane.pressing);
-    row.impulse.along = plane.along;
-    row.touching = plane.least == 0.0;
+    fromLane(numbers(lanes.scratch.planes) + first, lanes.count, row);
   });
 }
 

@@ -16,6 +16,8 @@ void addBatchTetrahedra(const SpringBatchBody&, unsigned, unsigned) {}
 void kickBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
 void driftBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
 void dampBatchSprings(const SpringBatchBody&, bool, bool, unsigned, unsigned) {}
+void stopBatchPoints(const PlaneBody&, unsigned, unsigned, double, double) {}
+void settleBatchPoints(const PlaneBody&, unsigned, unsigned) {}
 void loadSlotInverseMasses(const SpringBatchBody&, const BatchPoints&) {}
 void loadSlotPositions(const SpringBatchBody&, const BatchPoints&) {}
 void unloadSlotForces(const SpringBatchBody&, const BatchPoints&) {}
@@ -196,9 +198,18 @@ kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::Contac
   return loaded;
 }
 
+void packPlanes(SolverBody& body) {
+  body.packed = nullptr;
+  if (!body.contacts || body.contacts->empty()) return;
+  body.packed = &body.springBatches->planes;
+  packPlanes(*body.contacts, static_cast<std::uint32_t>(body.points->position.cols()), *body.packed);
+}
+
 void unloadSpringBatches(SolverBody& body) {
   fromBatches(body.springBatches->position, body.points->position);
   fromBatches(body.springBatches->velocity, body.points->velocity);
+  if (body.packed) unpackPlanes(*body.packed, *body.contacts);
+  body.packed = nullptr;
 }
 
 PointView viewOf(SpringBatchArrays& springBatches) {
@@ -216,6 +227,7 @@ void stepSpringBatches(SolverBody& body, double tick, int substeps) {
   const kernel::SpringBatchBody springBatches = loadSpringBatches(body, &calls);
   BodyContacts contacts{&body, viewOf(*body.springBatches), tick / substeps};
   calls = contacts.calls();
+  packPlanes(body);
   const double change = kernel::stepSpringBatches(springBatches, tick, substeps);
   unloadSpringBatches(body);
   body.errorRate = verletErrorRate(change, body.points->position.cols(), tick / substeps);

@@ -25,6 +25,7 @@ struct SpringBatchArrays {
   std::vector<unsigned> a, b;                  // #springs, padded; in strips #batches
   AlignedNumbers slots;                        // of StripBody
   std::vector<unsigned char> apart;            // #springs / 4: whether the four share no point; not in strips
+  PackedPlanes planes;                         // of the present step
   unsigned revision = 0;                       // springs.revision of the copied constants; 0: none copied
 };
 
@@ -36,7 +37,10 @@ bool canStepSpringBatches();
 /// by one.
 kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts);
 
-/// Copies positions and velocities from body.springBatches to body.points.
+/// Packs the body's plane contacts, whose masses must be set, for the step.
+void packPlanes(SolverBody& body);
+
+/// Copies positions and velocities from body.springBatches to body.points, and the packed contacts to theirs.
 void unloadSpringBatches(SolverBody& body);
 
 /// Returns a view of the points during the step.

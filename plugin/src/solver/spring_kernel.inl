@@ -268,7 +268,83 @@ void addBatchTetrahedronForces(const TetrahedronBody t, const Quad* x, Quad* for
   }
 }
 
+// --- contacts with planes ---
+
+/// x, y and z of a quantity of four points.
+void gather(const double* numbers, const Index* points, Quad* to) {
+  const Quad* p = springBatches(numbers);
+  const Columns c = columns(p[points[0]], p[points[1]], p[points[2]], p[points[3]]);
+  to[0] = c.x, to[1] = c.y, to[2] = c.z;
+}
+
+/// Of the places of a point that fills up a group, the first is written last: it has the contact.
+void scatter(const Quad* from, const Index* points, double* numbers) {
+  const Rows r = rows({from[0], from[1], from[2]});
+  for (Index k = 4; k-- > 0;) springBatches(numbers)[points[k]] = r.row[k];
+}
+
+Capsule<Quad> spread(const Capsule<double>& c) {
+  Capsule<Quad> all4;
+  for (Index k = 0; k < 3; ++k) {
+    all4.center[k] = all(Quad(), c.center[k]);
+    all4.axis[k] = all(Quad(), c.axis[k]), all4.side[k] = all(Quad(), c.side[k]);
+  }
+  all4.half = all(Quad(), c.half), all4.radius = all(Quad(), c.radius);
+  return all4;
+}
+
+/// Four points and their planes.
+struct PlaneGroup {
+  const PlaneBody& body;
+  Index number;
+  Plane<Quad>& plane;
+  const Index* points;
+  Quad x[3], v[3], w[3];
+
+  PlaneGroup(const PlaneBody& b, Index i)
+      : body(b), number(i), plane(reinterpret_cast<Plane<Quad>*>(b.planes)[i]), points(b.points + 4 * i) {}
+
+  void load() {
+    gather(body.position, points, x);
+    gather(body.velocity, points, v);
+    gather(body.inverseMass, points, w);
+  }
+  /// Lets the planes of the lanes with `mask` over 0 follow their capsule, for a drift of dt.
+  void follow(double dt, double within, Quad mask) {
+    if (body.capsuleOf[number] == PlaneBody::kFixed) return;
+    Quad displacement[3];
+    for (Index c = 0; c < 3; ++c) displacement[c] = all(Quad(), dt) * v[c];
+    kernel::follow(plane, spread(body.capsules[body.capsuleOf[number]]), all(Quad(), body.radius), x,
+                   displacement, all(Quad(), within * body.radius), w, mask);
+  }
+  void store() const { scatter(v, points, body.velocity); }
+};
+
 }  // namespace
+
+void stopBatchPoints(const PlaneBody& body, Index begin, Index end, double time, double dt) {
+  for (Index i = begin; i < end; ++i) {
+    PlaneGroup group(body, i);
+    group.load();
+    group.follow(dt, kSearchBeyond, all(Quad(), 1.0));
+    stopAtPlane(group.plane, group.x, group.v, group.w, time, dt);
+    if (any(group.plane.least > all(Quad(), kNoLeast))) group.store();
+  }
+  leaveKernel();
+}
+
+void settleBatchPoints(const PlaneBody& body, Index begin, Index end) {
+  const Quad none = all(Quad(), kNoLeast), zero = all(Quad(), 0.0);
+  for (Index i = begin; i < end; ++i) {
+    PlaneGroup group(body, i);
+    if (!any(group.plane.least > none)) continue;
+    group.load();
+    group.follow(0.0, kSupportDistance, select(group.plane.least > none, all(Quad(), 1.0), zero));
+    push(group.plane, select(group.plane.mass > zero, group.plane.least, none), group.v, group.w);
+    group.store();
+  }
+  leaveKernel();
+}
 
 void clearBatchForces(const SpringBatchBody& b, const BatchPoints& points) {
   Quad* f = springBatches(b.force);

@@ -28,6 +28,12 @@ Quad operator*(Quad a, Quad b) { return {vmulq_f64(a.low, b.low), vmulq_f64(a.hi
 Quad operator/(Quad a, Quad b) { return {vdivq_f64(a.low, b.low), vdivq_f64(a.high, b.high)}; }
 QuadMask operator>(Quad a, Quad b) { return {vcgtq_f64(a.low, b.low), vcgtq_f64(a.high, b.high)}; }
 QuadMask operator<(Quad a, Quad b) { return {vcltq_f64(a.low, b.low), vcltq_f64(a.high, b.high)}; }
+QuadMask operator>=(Quad a, Quad b) { return {vcgeq_f64(a.low, b.low), vcgeq_f64(a.high, b.high)}; }
+Quad operator-(Quad a) { return {vnegq_f64(a.low), vnegq_f64(a.high)}; }
+bool any(QuadMask which) {
+  const uint64x2_t lanes = vorrq_u64(which.low, which.high);
+  return (vgetq_lane_u64(lanes, 0) | vgetq_lane_u64(lanes, 1)) != 0;
+}
 Quad squareRoot(Quad a) { return {vsqrtq_f64(a.low), vsqrtq_f64(a.high)}; }
 Quad all(Quad, double x) { return {vdupq_n_f64(x), vdupq_n_f64(x)}; }
 Quad select(QuadMask which, Quad yes, Quad no) {

@@ -233,17 +233,23 @@ void computeSpringForces(SpringArrays& springs, PointState& state, double crossi
 }
 
 double elasticEnergy(const SpringArrays& springs, const Points& position) {
+  const auto stretchOf = [&](std::size_t i) {
+    return (position.col(springs->b[i]) - position.col(springs->a[i])).norm() - springs->restLength[i];
+  };
+  const auto stiffnessOf = [&](std::size_t i, double stretch) {
+    return kernel::select(stretch > 0.0, springs->extensionStiffness[i], springs->compressionStiffness[i]);
+  };
   double energy = 0.0;
+  if (springs->limit.stiffenStrain > 0.0) {
+    for (std::size_t i = 0; i < springs.size(); ++i) {
+      const double stretch = stretchOf(i), strain = springs->limit.stiffenStrain * limitLength(springs, i);
+      energy += stiffenedEnergy(stiffnessOf(i, stretch), stretch, strain, springs->limit.stiffenFactor);
+    }
+    return energy;
+  }
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const double length = (position.col(springs->b[i]) - position.col(springs->a[i])).norm();
-    const double stretch = length - springs->restLength[i];
-    const double stiffness =
-        stretch > 0.0 ? springs->extensionStiffness[i] : springs->compressionStiffness[i];
-    energy +=
-        springs->limit.stiffenStrain > 0.0
-            ? stiffenedEnergy(stiffness, stretch, springs->limit.stiffenStrain * limitLength(springs, i),
-                              springs->limit.stiffenFactor)
-            : 0.5 * stiffness * stretch * stretch;
+    const double stretch = stretchOf(i);
+    energy += 0.5 * stiffnessOf(i, stretch) * stretch * stretch;
   }
   return energy;
 }

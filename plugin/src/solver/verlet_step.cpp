@@ -124,9 +124,6 @@ void damp(BatchedBody& body, const BodyPart& part, bool whole, bool forward) {
 
 // --- islands -----------------------------------------------------------------------------------------------
 
-/// Points whose contacts are one task: enough work for a thread, and few enough for an even load.
-constexpr std::uint32_t kContactPoints = 128;
-
 /// Returns the batches of springs or tetrahedra of a range as a part. The last range of `count` elements
 /// includes those that fill up the last batch.
 BodyPart partOf(std::uint32_t number, const Division& division, const Range& range, std::uint32_t count) {
@@ -324,7 +321,8 @@ void kickAndStop(SolverIsland& group, Team& team, double time, double dt) {
   forEach(group, team, group.parts.contacts, [&](BatchedBody& body, const BodyPart& part) {
     const SolverBody& b = *body.stepped;
     const PointView& points = views[part.body];
-    if (b.contacts) limber::solvePositions(ContactRows(*b.contacts, part.begin, part.end), points, time, dt);
+    if (b.contacts)
+      limber::solvePositions(ContactRows(*b.contacts, b.packed, part.begin, part.end), points, time, dt);
     if (b.watch && b.watch->on && b.watch->anyLeaves(points, dt, part.begin, part.end)) anyLeaves = true;
   });
   for (const std::uint32_t i : group.parts.divided)
@@ -343,8 +341,9 @@ void kickAndSettle(SolverIsland& group, Team& team, double dt) {
   });
   for (const std::uint32_t i : group.parts.divided) applyDrag(group.bodies[i], views[i], dt);
   forEach(group, team, group.parts.contacts, [&](BatchedBody& body, const BodyPart& part) {
-    if (std::vector<PlaneContact>* contacts = body.stepped->contacts)
-      limber::solveVelocities(ContactRows(*contacts, part.begin, part.end), views[part.body]);
+    const SolverBody& b = *body.stepped;
+    if (b.contacts)
+      limber::solveVelocities(ContactRows(*b.contacts, b.packed, part.begin, part.end), views[part.body]);
   });
   for (const std::uint32_t i : group.parts.divided) settleUnpredicted(group.bodies[i], views[i]);
   for (RigidState& rigid : group.links.rigids) rigid.kick(0.5 * dt);
@@ -355,6 +354,7 @@ void prepare(SolverIsland& group) {
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {
     group.bodies[i].errorRate = 0.0;
     if (group.bodies[i].contacts) prepareContacts(*group.bodies[i].contacts, group.links.views[i]);
+    if (group.inStep[i].inBatches) packPlanes(group.bodies[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
   prepareAnchors(group.links);
@@ -369,6 +369,8 @@ void searchAgain(SolverIsland& group, Team& team, int substep, int substeps, dou
   const PairSearch& again = group.again;
   if (again.every == 0 || substep == 0 || substep % again.every != 0) return;
   finishConstraints(group.pairs);
+  for (SolverBody& body : group.bodies)
+    if (body.packed) unpackPlanes(*body.packed, *body.contacts);
   again.search(again.context, group, team, dt * substep, dt * std::min(again.every, substeps - substep));
   prepareConstraints(group.pairs, group.links);
 }

@@ -46,8 +46,9 @@ struct SolverBody {
   SpringBatchArrays* springBatches =
       nullptr;  ///< to step it four springs at a time, see spring_batches.h; may be nullptr
 
-  ContactWatch* watch = nullptr;  ///< may be nullptr
-  PointDrag* drag = nullptr;      ///< nullptr: none
+  PackedPlanes* packed = nullptr;  ///< rows of `contacts`; set in steps with springBatches
+  ContactWatch* watch = nullptr;   ///< may be nullptr
+  PointDrag* drag = nullptr;       ///< nullptr: none
 
   const RestShape* rest = nullptr;  ///< may be nullptr without `sums`
   MotionSums* sums = nullptr;       ///< written by stepLanes(); nullptr: not wanted
@@ -151,12 +152,12 @@ inline void solveUnpredicted(SolverBody& body, const PointView& points, double t
                              bool leaves = true) {
   if (!body.watch || !body.watch->on) return;
   if (leaves) body.watch->look(points, time, dt);
-  if (!body.watch->rows.empty()) solvePositions(body.watch->rows, points, time, dt);
+  if (!body.watch->rows.empty()) solvePositions(ContactRows(body.watch->rows), points, time, dt);
 }
 
 /// Solves the predicted and unpredicted contacts of points before a drift. Then no point enters a surface.
 inline void solvePositions(SolverBody& body, const PointView& points, double time, double dt) {
-  if (body.contacts) solvePositions(*body.contacts, points, time, dt);
+  if (body.contacts) solvePositions(ContactRows(*body.contacts, body.packed), points, time, dt);
   solveUnpredicted(body, points, time, dt);
 }
 
@@ -172,12 +173,12 @@ inline void startDrag(SolverBody& body) {
 
 /// Solves the velocities at unpredicted contacts after the drag.
 inline void settleUnpredicted(SolverBody& body, const PointView& points) {
-  if (body.watch && !body.watch->rows.empty()) solveVelocities(body.watch->rows, points);
+  if (body.watch && !body.watch->rows.empty()) solveVelocities(ContactRows(body.watch->rows), points);
 }
 
 /// Solves the velocities at all contacts of points after the drag.
 inline void solveVelocities(SolverBody& body, const PointView& points) {
-  if (body.contacts) solveVelocities(*body.contacts, points);
+  if (body.contacts) solveVelocities(ContactRows(*body.contacts, body.packed), points);
   settleUnpredicted(body, points);
 }
 
