@@ -482,5 +482,29 @@ TEST(Sleep, whatRestedOnABodyFallsWhenItIsTakenAway) {
   }
 }
 
+/// However long an awake hand has kept it awake.
+TEST(Sleep, whatAnAwakeHandHoldsFallsWhenTheHandGoes) {
+  for (const bool attached : {false, true})
+    for (const double tick : {1.0 / 60, 1.0 / 240}) {
+      BulletWorld bullet;
+      SoftBodySystem system(*bullet.world);
+      btRigidBody* palm = bullet.addBox(test::vec(1, 0.1, 1), 0, test::vec(0, 0.9, 0));
+      palm->setCollisionFlags(palm->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+      palm->setActivationState(DISABLE_DEACTIVATION);
+      SoftBodySettings s = test::testedSettings();
+      s.position = {0, 1.52, 0};
+      SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+      if (attached) {
+        ASSERT_TRUE(system.attach(body, 0, *palm));
+      }
+      bullet.simulate(5.0, tick);
+      ASSERT_FALSE(body->sleeping());
+      const double before = body->centerOfMass().y();
+      bullet.world->removeRigidBody(palm);
+      bullet.simulate(0.5, tick);
+      EXPECT_LT(body->centerOfMass().y(), before - 1.0) << attached << ", " << tick;
+    }
+}
+
 }  // namespace
 }  // namespace limber

@@ -101,6 +101,10 @@ bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar
 /// been released at its start.
 double calmTimeOf(btScalar tick) { return std::min(double(tick), 0.5 * double(gDeactivationTime)); }
 
+/// s, the calm time after which a group is quiet. It sleeps once nothing awake has touched or held it for the
+/// rest of gDeactivationTime: what was its support may have gone, and it needs time to begin to fall.
+double quietTime() { return double(gDeactivationTime) - std::min(0.25, 0.5 * double(gDeactivationTime)); }
+
 /// Puts surfaces back to sleep that Bullet's islands have woken, by WANTS_DEACTIVATION: see stirTouched().
 void ignoreIslands(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies)
@@ -152,9 +156,7 @@ void rememberCalmTime(const LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) body->calmTime = group.calmTime;
 }
 
-bool wantsSleep(const LinkedGroup& group) {
-  return !group.asleep && group.calmTime > double(gDeactivationTime);
-}
+bool wantsSleep(const LinkedGroup& group) { return !group.asleep && group.calmTime > quietTime(); }
 
 // Bullet's islands decide for point masses in the world and for rigid members of groups.
 
@@ -237,12 +239,12 @@ void addOthersAwake(const std::vector<LinkedGroup>& groups, const MovingObjects&
       s.awake.push_back({{toEigen(m.low), toEigen(m.high)}, m.object, nullptr, nullptr});
 }
 
-/// Wakes a sleeping group, and keeps one awake that wants to sleep.
+/// Wakes a sleeping group, and keeps a quiet one awake.
 void stir(LinkedGroup& group, double tick, SleepScratch& s) {
   if (group.asleep)
     wakeGroup(group);
   else
-    group.calmTime = double(gDeactivationTime);
+    group.calmTime = quietTime();
   addAwake(group, tick, s);
 }
 
@@ -325,6 +327,24 @@ void stirQuiet(std::vector<LinkedGroup>& groups, const MovingObjects& objects,
   while (stirInIslands(groups, tick, s));
 }
 
+/// Puts the groups to sleep that have been calm and left alone for long enough. Those in one of Bullet's
+/// islands sleep together, or Bullet would wake the first.
+void sleepTogether(std::vector<LinkedGroup>& groups, SleepScratch& s) {
+  const auto isDue = [](const LinkedGroup& group) {
+    return !group.asleep && group.calmTime > double(gDeactivationTime);
+  };
+  for (LinkedGroup& group : groups)
+    if (!group.asleep && !isDue(group))
+      forEachMember(group, [&](const btRigidBody& member) { markIsland(member, s); });
+  for (LinkedGroup& group : groups) {
+    if (!isDue(group)) continue;
+    if (isIslandMarked(group, s))
+      group.calmTime = double(gDeactivationTime);
+    else
+      sleepGroup(group);
+  }
+}
+
 }  // namespace
 
 void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world,
@@ -338,10 +358,10 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
   }
   scratch.lastTick = tick;
   if (anyQuiet) stirQuiet(groups, objects, kinematic, double(tick), scratch);
+  if (anyQuiet) sleepTogether(groups, scratch);
   awake.clear();
   for (LinkedGroup& group : groups) {
     rememberCalmTime(group);
-    if (wantsSleep(group)) sleepGroup(group);
     if (!group.asleep) awake.push_back(&group);
   }
 }
