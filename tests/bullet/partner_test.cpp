@@ -293,13 +293,6 @@ TEST(Partners, aPlateHungFromAnotherBelowACube) {
 
 // --- motion ------------------------------------------------------------------------------------------------
 
-/// Returns the kinetic energy (J) of a body with a diagonal inertia.
-double energyOf(const btRigidBody& body) {
-  const btVector3 w = body.getAngularVelocity();
-  return 0.5 / double(body.getInvMass()) * double(body.getLinearVelocity().length2()) +
-         0.5 * double(w.dot(body.getInvInertiaTensorWorld().inverse() * w));
-}
-
 TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
   for (const double stiffness : {1e3, 1e4, 1e5})
     for (const double mass : {0.1, 1.0, 10.0}) {
@@ -310,13 +303,14 @@ TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
       box->setActivationState(DISABLE_DEACTIVATION);
       box->setLinearVelocity(vec(3, 0, 0));
       const Eigen::Vector3d before = momentumOf(*box) + cube->linearMomentum();
-      const double energy = energyOf(*box);
+      const double energy = test::kineticEnergyOf(*box);
       bullet.simulate(1.0);
       const Eigen::Vector3d after = momentumOf(*box) + cube->linearMomentum();
       // Bullet stores velocities as floats
       EXPECT_LT((after - before).norm(), 1e-6 * before.norm()) << "k " << stiffness << " mass " << mass;
       EXPECT_GT(cube->linearMomentum().x(), 0.2 * std::min(mass, 1.0)) << "they have met";
-      EXPECT_LT(energyOf(*box) + cube->kineticEnergy() + cube->elasticEnergy(), energy * (1 + 1e-5))
+      EXPECT_LT(test::kineticEnergyOf(*box) + cube->kineticEnergy() + cube->elasticEnergy(),
+                energy * (1 + 1e-5))
           << "k " << stiffness << " mass " << mass;
     }
 }
@@ -330,7 +324,7 @@ TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
     btRigidBody* plate = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 1.0);
     SoftBody* upper = addDampedCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
     const auto energy = [&] {
-      double sum = energyOf(*plate) + mass * kGravity * height(*plate);
+      double sum = test::kineticEnergyOf(*plate) + mass * kGravity * height(*plate);
       for (const SoftBody* cube : {lower, upper})
         sum += cube->kineticEnergy() + cube->elasticEnergy() + kGravity * cube->centerOfMass().y();
       return sum;

@@ -21,6 +21,12 @@ inline Eigen::Vector3d angularMomentumOf(const btRigidBody& body) {
   return eigen(body.getCenterOfMassPosition()).cross(momentumOf(body)) + eigen(spin);
 }
 
+inline double kineticEnergyOf(const btRigidBody& body) {
+  const btVector3 spin = body.getAngularVelocity();
+  return 0.5 * double(body.getLinearVelocity().length2()) / double(body.getInvMass()) +
+         0.5 * double(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin));
+}
+
 /// Returns the smallest y (m) of the body's points.
 inline double lowest(const SoftBody& body) {
   double y = 1e9;

@@ -304,7 +304,34 @@ void stepIslands(Islands& islands, const TickContacts& found, double tick,
   parallel.forEach(islands.small.size(), [&](std::size_t i) { step(islands.small[i], nullptr); });
 }
 
+namespace {
+
+/// Offers Bullet's joints velocities at which they hold. Bullet evaluates them where the bodies are at the
+/// start of the tick. At the mean velocities of bodies that have turned about a common pivot on circles, they
+/// would not hold, and Bullet would pull the bodies apart in each tick.
+void offerToJoints(Island& island, TickContacts& found, double tick) {
+  LinkedBodies& motion = island.mean;
+  motion.rigids = island.start;
+  const std::vector<RigidState>& ends = island.step.links.rigids;
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    (motion.rigids[i] = meanMotion(island.start[i], ends[i], tick)).turn();
+  holdJoints(island.step.pairs, motion);
+  std::size_t next = 0;
+  const auto offer = [&](RigidPartner& partner) {
+    const RigidState mean = meanMotion(island.start[next], ends[next], tick);
+    partner.velocityOffset = motion.rigids[next].velocity - mean.velocity;
+    partner.spinOffset = motion.rigids[next].angularVelocity - mean.angularVelocity;
+    ++next;
+  };
+  for (LinkedGroup* group : island.groups)
+    for (RigidPartner& partner : group->rigids) offer(partner);
+  for (const std::uint32_t i : island.rigids) offer(found.rigids[i]);
+}
+
+}  // namespace
+
 void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {
+  if (!island.joints.empty()) offerToJoints(island, found, double(tick));
   const IslandConstraints& pairs = island.step.pairs;
   for (std::size_t i = 0; i < island.contacts.size(); ++i)
     copyContact(pairs.contacts[i], found.contacts[island.contacts[i]]);

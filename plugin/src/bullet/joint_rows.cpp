@@ -7,6 +7,8 @@
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 
+#include <Eigen/QR>
+
 #include <cmath>
 
 namespace limber {
@@ -76,8 +78,8 @@ void addRow(btTypedConstraint& joint, const Row& row, btScalar erp, btScalar tic
   JointConstraint j;
   j.linearA = toEigen(row.linearA), j.angularA = toEigen(row.angularA);
   j.linearB = toEigen(row.linearB), j.angularB = toEigen(row.angularB);
-  j.lower = double(row.lower);
-  j.upper = double(row.upper);
+  if (row.lower > -SIMD_INFINITY) j.lower = double(row.lower);
+  if (row.upper < SIMD_INFINITY) j.upper = double(row.upper);
   j.speed = double(row.error);
   j.softness = double(row.softness / tick);
   j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
@@ -159,6 +161,20 @@ void copySprings(const Rows& middle, Rows& buffer) {
   }
 }
 
+/// Returns the arm r (m) of the pivot for which the angular parts a of a side's rows are nearest to  r x n,
+/// with the linear parts n:  sum (|n|^2 - n n^T) r = sum n x a.  Where there is one row, r is across it.
+Vector3d armOf(const Rows& rows, btVector3 Row::*linear, btVector3 Row::*angular) {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  Vector3d sum = Vector3d::Zero();
+  for (int i = 0; i < rows.count; ++i) {
+    const Vector3d n = toEigen(rows.rows[i].*linear), a = toEigen(rows.rows[i].*angular);
+    matrix += n.squaredNorm() * Eigen::Matrix3d::Identity() - n * n.transpose();
+    sum += n.cross(a);
+  }
+  if (matrix.isZero(0.0)) return Vector3d::Zero();
+  return matrix.completeOrthogonalDecomposition().solve(sum);
+}
+
 void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick,
              TickContacts& found) {
   const btTypedConstraintType type = joint.getConstraintType();
@@ -167,7 +183,12 @@ void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   const Rows middle = hasSprings ? readRows(joint, solver, tick, tick / 2) : Rows();
   Rows buffer = readRows(joint, solver, tick, 0);
   copySprings(middle, buffer);
-  for (int i = 0; i < buffer.count; ++i) addRow(joint, buffer.rows[i], solver.m_erp, tick, found);
+  const Vector3d armA = armOf(buffer, &Row::linearA, &Row::angularA),
+                 armB = armOf(buffer, &Row::linearB, &Row::angularB);
+  for (int i = 0; i < buffer.count; ++i) {
+    addRow(joint, buffer.rows[i], solver.m_erp, tick, found);
+    found.joints.back().armA = armA, found.joints.back().armB = armB;
+  }
 }
 
 // --- motors and springs during Bullet's solver -------------------------------------------------------------

@@ -198,6 +198,7 @@ struct Island {
   std::vector<PlaneContact*> rows;      ///< of the next step.pairs.contacts
   std::vector<std::uint32_t> joints;    ///< indices in TickContacts of step.pairs.joints
   std::vector<RigidState> start;        ///< step.links.rigids before the step, if there are joints
+  LinkedBodies mean;                    ///< scratch, see offerToJoints()
   std::vector<IslandPair> candidates;
   std::vector<LateContact> late;                                     ///< of the last step.pairs.contacts
   std::vector<std::pair<std::uint64_t, std::uint32_t>> oldContacts;  ///< scratch: of one pair, sorted by key

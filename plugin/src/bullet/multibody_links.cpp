@@ -127,6 +127,7 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
     row.linearA = toEigen(basis * toBullet(fixedDirection.tail<3>()));
     row.linearB = -row.linearA;
     row.angularB = -row.angularA - arm.cross(row.linearA);
+    row.armB = arm;
     found.joints.push_back(row);
     found.jointSources.emplace_back();
   }

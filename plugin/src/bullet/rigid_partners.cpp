@@ -110,18 +110,28 @@ void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   else
     gatherFreeRigid(partner, state, tick);
   partner.start = state;
+  partner.velocityOffset.setZero();
+  partner.spinOffset.setZero();
 }
 
 void startFromPlace(RigidPartner& partner, RigidState& state, btScalar tick) {
   state = partner.start = movedFrom(partner.body->getWorldTransform(), endPoseOf(*partner.body), tick);
 }
 
+RigidState meanMotion(const RigidState& start, const RigidState& end, double tick) {
+  RigidState mean = start;
+  mean.velocity = (end.position - start.position) / tick;
+  mean.angularVelocity = rotationBetween(start.rotation, end.rotation) / tick;
+  return mean;
+}
+
 void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held) return;
   btRigidBody& body = *partner.body;
   const double h = double(tick);
-  const Eigen::Vector3d mean = (end.position - partner.start.position) / h;
-  const Eigen::Vector3d meanAngular = rotationBetween(partner.start.rotation, end.rotation) / h;
+  const RigidState motion = meanMotion(partner.start, end, h);
+  const Eigen::Vector3d mean = motion.velocity + partner.velocityOffset;
+  const Eigen::Vector3d meanAngular = motion.angularVelocity + partner.spinOffset;
   const double linear = dampingFactor(body.getLinearDamping(), tick);
   const double angular = dampingFactor(body.getAngularDamping(), tick);
   const Eigen::Vector3d initial = mean - h * partner.start.acceleration;
@@ -131,7 +141,7 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
   if (angular > 0.0) body.setAngularVelocity(body.getAngularVelocity() / static_cast<btScalar>(angular));
   partner.expectedVelocity = toBullet(mean);
   partner.expectedAngularVelocity = toBullet(reached);
-  partner.turn = h * meanAngular;
+  partner.turn = h * motion.angularVelocity;
 }
 
 namespace {
@@ -139,15 +149,17 @@ namespace {
 /// Bullet turns a body by no more than this in a tick, radians (btTransformUtil.h).
 constexpr double kMostTurned = 0.25 * kPi;
 
-/// Gives the body the turn of its step, and what else acted on it: fast turns are not those that Bullet
-/// makes. Its anchors would be torn off their points.
-void completeTurn(RigidPartner& partner, btScalar tick) {
+/// Gives the body the motion of its step, and what else acted on it: fast turns are not those that Bullet
+/// makes, and offsets are for Bullet's joints only. Its anchors would be torn off their points.
+void completeMotion(RigidPartner& partner, btScalar tick) {
   constexpr double kSameTurn = 1e-4;  // radians
   const Eigen::Vector3d made = double(tick) * toEigen(partner.body->getAngularVelocity());
   const Eigen::Vector3d missing = partner.turn - double(tick) * toEigen(partner.expectedAngularVelocity);
   const Eigen::Vector3d turn = made + missing;
-  if (turn.norm() < kMostTurned && missing.norm() < kSameTurn) return;
+  const bool isTurned = turn.norm() < kMostTurned && missing.norm() < kSameTurn;
+  if (isTurned && partner.velocityOffset.isZero(0.0)) return;
   btTransform pose = partner.body->getWorldTransform();
+  pose.setOrigin(pose.getOrigin() - tick * toBullet(partner.velocityOffset));
   const Eigen::Quaterniond q = rotationBy(turn) * partner.start.rotation;
   pose.setRotation(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())));
   partner.body->setCenterOfMassTransform(pose);
@@ -158,7 +170,7 @@ void completeTurn(RigidPartner& partner, btScalar tick) {
 void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held) return;
   btRigidBody& body = *partner.body;
-  if (body.isActive()) completeTurn(partner, tick);
+  if (body.isActive()) completeMotion(partner, tick);
   partner.lastPose = body.getWorldTransform();
   if (!body.isActive()) return;
   const Eigen::Vector3d velocity = dampingFactor(body.getLinearDamping(), tick) * end.velocity;

@@ -40,22 +40,31 @@ constexpr double kLargerTolerance = 10.0;
 /// between a jelly and spikes of the ground, conjugate directions made solves diverge.
 constexpr double kDiverging = 10.0;
 
-void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
+void pushBodies(LinkedBodies& bodies, const JointConstraint& j, double impulse) {
   forEachSide(bodies.rigids, j, [&](RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
-    rigid.velocity += change * linear.cwiseProduct(rigid.inverseMass);
-    rigid.angularVelocity += change * (rigid.inverseInertia * angular);
+    rigid.velocity += impulse * linear.cwiseProduct(rigid.inverseMass);
+    rigid.angularVelocity += impulse * (rigid.inverseInertia * angular);
   });
+}
+
+void applyImpulse(LinkedBodies& bodies, JointConstraint& j, double change) {
+  pushBodies(bodies, j, change);
   j.impulse += change;
 }
 
-/// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
-void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
+double speedOf(const LinkedBodies& bodies, const JointConstraint& j) {
   double speed = 0.0;
   forEachSide(bodies.rigids, j,
               [&](const RigidState& rigid, const Vector3d& linear, const Vector3d& angular) {
                 speed += linear.dot(rigid.velocity) + angular.dot(rigid.angularVelocity);
               });
-  const double target = sum + (j.speed - speed - j.softness * sum) * j.mass;
+  return speed;
+}
+
+/// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
+void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
+  const double error = j.speed - j.curve - speedOf(bodies, j);
+  const double target = sum + (error - j.softness * sum) * j.mass;
   const double impulse = std::clamp(target, j.lower, j.upper);
   j.change = impulse - sum;
   sum = impulse;
@@ -450,7 +459,30 @@ bool startSolve(IslandConstraints& rows, LinkedBodies& bodies) {
   return !rows.empty() || !bodies.anchors.empty();
 }
 
+/// Whether the row has a speed that it must have, or one that it must not pass.
+bool mustHold(const JointConstraint& j) {
+  const bool isDriven = j.lower > -HUGE_VAL && j.upper < HUGE_VAL;
+  return j.contact == JointConstraint::kHeld && j.mass > 0.0 && !isDriven;
+}
+
 }  // namespace
+
+void holdJoints(IslandConstraints& rows, LinkedBodies& bodies) {
+  turnJoints(rows, bodies, 0.0);
+  for (JointConstraint& j : rows.joints) j.direction = 0.0;
+  double largest = HUGE_VAL;
+  for (int sweep = 0; sweep < kMaxSweeps && largest > rows.tolerance; ++sweep) {
+    largest = 0.0;
+    for (JointConstraint& j : rows.joints) {
+      if (!mustHold(j)) continue;
+      const double target = j.direction + (j.speed - speedOf(bodies, j)) * j.mass;
+      const double change = std::clamp(target, j.lower, j.upper) - j.direction;
+      pushBodies(bodies, j, change);
+      j.direction += change;
+      largest = std::max(largest, std::abs(change) / j.mass);
+    }
+  }
+}
 
 int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, Team& team, double dt, double tick) {
   if (!startSolve(rows, bodies)) return 0;

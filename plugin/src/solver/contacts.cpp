@@ -394,6 +394,38 @@ void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
   j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
 }
 
+Eigen::Quaterniond rotationOf(std::uint32_t side, const LinkedBodies& bodies) {
+  return side != JointConstraint::kHeld ? bodies.rigids[side].rotation : Eigen::Quaterniond::Identity();
+}
+
+/// Returns the acceleration (m/s^2) of a pivot towards the centre about which it turns.
+Vector3d centripetal(std::uint32_t side, const LinkedBodies& bodies, const Vector3d& arm) {
+  if (side == JointConstraint::kHeld) return Vector3d::Zero();
+  const Vector3d& spin = bodies.rigids[side].angularVelocity;
+  return spin.cross(spin.cross(arm));
+}
+
+/// Turns a row along n. The angular parts of a linear row are  r x n,  with the pivot at r from the centre of
+/// mass, and what is left of them. The axis of the first body counts for both, except where each has its own.
+void turn(JointConstraint& j, const LinkedBodies& bodies, double dt) {
+  const Eigen::Quaterniond a = rotationOf(j.a, bodies), b = rotationOf(j.b, bodies);
+  const Vector3d n = a * j.local.axis, armA = a * j.local.armA, armB = b * j.local.armB;
+  const Vector3d angularA = a * j.local.angularA;
+  j.linearA = n, j.linearB = -n;
+  j.angularA = armA.cross(n) + angularA;
+  j.angularB = -armB.cross(n) + (j.local.shared ? Vector3d(-angularA) : Vector3d(b * j.local.angularB));
+  j.curve = 0.5 * dt * n.dot(centripetal(j.a, bodies, armA) - centripetal(j.b, bodies, armB));
+}
+
+JointAxes localAxes(const JointConstraint& j, const LinkedBodies& bodies) {
+  constexpr double kRounding = 1e-6;
+  const Eigen::Quaterniond a = rotationOf(j.a, bodies).conjugate(), b = rotationOf(j.b, bodies).conjugate();
+  const Vector3d angularA = j.angularA - j.armA.cross(j.linearA),
+                 angularB = j.angularB - j.armB.cross(j.linearB);
+  return {a * j.linearA, a * j.armA,   b * j.armB,
+          a * angularA,  b * angularB, (angularA + angularB).norm() <= kRounding * angularA.norm()};
+}
+
 /// Sets the inverse of the symmetric mobility (1/kg) between the tangents, and that of its larger eigenvalue.
 void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv) {
   const double determinant = uu * vv - uv * uv;
@@ -431,6 +463,18 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   rows.turns = std::any_of(rows.contacts.begin(), rows.contacts.end(), [](const Contact& c) {
     return !c.a.acceleration.isZero(0.0) || !c.b.acceleration.isZero(0.0);
   });
+}
+
+void startTurning(IslandConstraints& rows, const LinkedBodies& bodies) {
+  for (JointConstraint& j : rows.joints) j.local = localAxes(j, bodies);
+}
+
+void turnJoints(IslandConstraints& rows, const LinkedBodies& bodies, double dt) {
+  for (JointConstraint& j : rows.joints) {
+    if (j.contact != JointConstraint::kHeld) continue;
+    turn(j, bodies, dt);
+    prepareJoint(j, bodies);
+  }
 }
 
 void turnSurfaces(IslandConstraints& rows, double time) {

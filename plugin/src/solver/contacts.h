@@ -70,6 +70,15 @@ struct Contact : ContactBase {
   bool separates = false;  ///< bodies that have been placed into each other: its work is not limited
 };
 
+/// A row of a joint in the axes of its bodies, with which it turns: see turnJoints().
+struct JointAxes {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();                                  ///< linearA
+  Eigen::Vector3d armA = Eigen::Vector3d::Zero(), armB = Eigen::Vector3d::Zero();  ///< m
+  Eigen::Vector3d angularA = Eigen::Vector3d::Zero(),
+                  angularB = Eigen::Vector3d::Zero();  ///< what is not due to the arms
+  bool shared = false;                                 ///< angularB is opposite to angularA
+};
+
 /// One row of a joint between rigid bodies, in the form of Bullet's constraints:
 ///     linearA . va + angularA . wa + linearB . vb + angularB . wb = speed,
 /// enforced by an impulse between lower and upper along the same vectors.
@@ -82,10 +91,14 @@ struct JointConstraint {
   double softness = 0.0;                       ///< change of the speed per impulse (Bullet's cfm / time step)
   std::uint32_t contact = kHeld;               ///< for rolling friction: index of its contact; else kHeld
   double rolling = 0.0;  ///< m, ratio of the limits to the normal impulse of the contact
+  Eigen::Vector3d armA = Eigen::Vector3d::Zero(),
+                  armB = Eigen::Vector3d::Zero();  ///< m, from the centres of mass to the joint's pivot
   double positionImpulse = 0.0,
          velocityImpulse = 0.0;  ///< of the present substep; initially the warm start
 
   // Written by the step.
+  JointAxes local;
+  double curve = 0.0;                    ///< m/s, speed by which the pivots' paths in a drift are bent
   double impulse = 0.0;                  ///< sum over the tick
   double mass = 0.0;                     ///< impulse per speed; 0: neither side can be moved
   double change = 0.0, direction = 0.0;  ///< scratch of the solver
@@ -267,6 +280,20 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies);
 /// Updates the speeds of surfaces that turn. `time` (s): since the tick's start, of the coming substep's
 /// middle.
 void turnSurfaces(IslandConstraints& rows, double time);
+
+/// Keeps the joints' rows in the axes of their bodies. Call it at the start of the tick, before
+/// prepareConstraints().
+void startTurning(IslandConstraints& rows, const LinkedBodies& bodies);
+
+/// Turns the joints' rows with their bodies, before a solve. The impulses of a row must act at the pivots
+/// where these are now: along lines that pass each other, they would change the angular momentum. `dt`: s, of
+/// the coming drift; 0 before a solve of velocities.
+void turnJoints(IslandConstraints& rows, const LinkedBodies& bodies, double dt);
+
+/// Changes the velocities of `bodies`, which are where they were at the start of the tick, by impulses of the
+/// joints, until these hold at the present velocities alone. Motors, springs and rolling friction do nothing.
+/// The rows turn with the bodies.
+void holdJoints(IslandConstraints& rows, LinkedBodies& bodies);
 
 /// Divides the rows of a large island into sets, by slabs across its longest axis: first the rows inside the
 /// slabs, then those between neighbours. Sets `order`, `sets` and `phases`. They do not depend on the number

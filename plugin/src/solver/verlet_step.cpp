@@ -361,6 +361,7 @@ void prepare(SolverIsland& group) {
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
   group.pairs.time = 0.0;
+  startTurning(group.pairs, group.links);
   prepareConstraints(group.pairs, group.links);
 }
 
@@ -390,6 +391,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     turnSurfaces(group.pairs, (s + 0.5) * dt);
     kickAndStop(group, team, s * dt, dt);
     followContacts(group.pairs, group.links, team, dt);
+    turnJoints(group.pairs, group.links, dt);
     solvePositions(group.pairs, group.links, team, dt, tick);
     updateGaps(group.pairs, team, dt);
     const bool estimates = last || 2 * s == substeps;
@@ -400,6 +402,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     // away from its anchor or contact
     kickAndSettle(group, team, dt);
     followContacts(group.pairs, group.links, team, 0.0);
+    turnJoints(group.pairs, group.links, 0.0);
     solveVelocities(group.pairs, group.links, team);
     sumAnchorImpulses(group.links);
     // the half dampings of two successive substeps act at the same positions, so a full one replaces them
