@@ -127,7 +127,9 @@ inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const 
 /// substep by this share of the yield without other contacts, and along the normal also to 1 - kKept of the
 /// impulse itself. Contact impulses of rigid bodies against each other are not unique; with this term they
 /// converge instead of drifting, and piles come to rest. In a pile of ten boxes it costs 3e-5 m of height. A
-/// single point on a static or kinematic object needs no softness: its springs determine its impulse.
+/// single point on a static or kinematic object needs no softness: its springs determine its impulse. Between
+/// two of them it needs softness, and so do joints of bodies that such objects press: no motion satisfies
+/// all, and the impulses would grow without limit.
 constexpr double kSoftness = 0.02;
 constexpr double kKept = 0.8;
 
@@ -161,16 +163,28 @@ inline double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, c
 }
 
 /// Returns the speed (m/s) by which the row yields to its impulse of the last substep, for ever: a light body
-/// between a heavy one and the floor sinks with it, until an overlap is removed as fast.
-inline double yieldOf(const ContactConstraint& row) {
-  return row.softness * (1.0 - kKept) * row.positionImpulse.n * row.mobility;
+/// between a heavy one and the floor sinks with it, until an overlap is removed as fast. A rigid body does so
+/// no faster than its overlaps are removed: those that nothing can remove must not press ever harder.
+inline double yieldOf(const Contact& c, const ContactConstraint& row) {
+  const double yield = row.softness * (1.0 - kKept) * row.positionImpulse.n * row.mobility;
+  const bool isRigid = c.a.kind == ContactPoint::Kind::Rigid;
+  return isRigid ? std::min(yield, c.recoverySpeed) : yield;
+}
+
+/// Whether the row's point is between two static or kinematic objects.
+inline bool isPinched(const IslandConstraints& rows, const ContactConstraint& row) {
+  constexpr double kOpposite = -0.5;  // cosine between the normals
+  if (row.beside == ContactConstraint::kNoRow) return false;
+  const ContactConstraint& other = rows.rows[row.beside];
+  const double* n = other.axes[0];
+  return other.mass > 0.0 && along(row.axes[0], {n[0], n[1], n[2]}) < kOpposite;
 }
 
 /// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.
 inline void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, bool anchored,
                       double dt, double tick) {
-  row.softness = isOfPoint(c) ? 0.0 : kSoftness;
-  row.target = minSpeed(row.gap, c.recoverySpeed + yieldOf(row), dt);
+  row.softness = isOfPoint(c) && !isPinched(rows, row) ? 0.0 : kSoftness;
+  row.target = minSpeed(row.gap, c.recoverySpeed + yieldOf(c, row), dt);
   row.freeSpeed = kFreeRecovery * c.recoverySpeed;
   row.maxWork = maxRecoveryWork(rows, c, row, anchored, dt / tick);
   row.bounces = false;

@@ -149,14 +149,19 @@ bool isOpposite(const IslandConstraints& rows, const ContactConstraint& row, std
   return share * cosine < -kOpposite * std::abs(share);
 }
 
-/// Sets `supportOf`.
+/// Sets `supportOf`, and `beside` of the rows.
 void findSupports(IslandConstraints& rows) {
   constexpr std::uint32_t kNone = ConstraintNode::kNoSupport;
   std::vector<std::uint32_t>& ofNode = rows.weights;
   ofNode.assign(rows.nodes.size(), kNone);
-  for (std::uint32_t i = 0; i < rows.rows.size(); ++i)
-    if (isOfPoint(contactOf(rows, i)) && rows.rows[i].mass > 0.0)
-      ofNode[rows.nodeOf[rows.rows[i].firstPoint]] = i;
+  for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
+    ContactConstraint& row = rows.rows[i];
+    if (!isOfPoint(contactOf(rows, i)) || row.mass == 0.0) continue;
+    std::uint32_t& other = ofNode[rows.nodeOf[row.firstPoint]];
+    row.beside = other;
+    if (other != kNone && rows.rows[other].beside == kNone) rows.rows[other].beside = i;
+    other = i;
+  }
   rows.supportOf.assign(rows.points.size(), kNone);
   for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
     const ContactConstraint& row = rows.rows[i];

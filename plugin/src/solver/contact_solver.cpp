@@ -62,9 +62,11 @@ double speedOf(const LinkedBodies& bodies, const JointConstraint& j) {
 }
 
 /// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
-void solveJoint(LinkedBodies& bodies, JointConstraint& j, double& sum) {
+/// `softness`: that of contacts.
+void solveJoint(LinkedBodies& bodies, JointConstraint& j, double softness, double& sum) {
   const double error = j.speed - j.curve - speedOf(bodies, j);
-  const double target = sum + (error - j.softness * sum) * j.mass;
+  const double yielding = softness * (sum - kKept * j.before);
+  const double target = sum + ((error - j.softness * sum) * j.mass - yielding) / (1.0 + softness);
   const double impulse = std::clamp(target, j.lower, j.upper);
   j.change = impulse - sum;
   sum = impulse;
@@ -233,6 +235,7 @@ struct Solve {
   void start() {
     for (JointConstraint& j : rows.joints) {
       apply(j, impulse(j));
+      j.before = impulse(j);
       j.direction = 0.0;
     }
     for (LinkAnchor& anchor : bodies.anchors) {
@@ -330,7 +333,7 @@ struct Solve {
     for (JointConstraint& j : rows.joints) {
       if (j.mass == 0.0) continue;
       if (free && j.contact != JointConstraint::kHeld) limitRolling(j);
-      solveJoint(bodies, j, impulse(j));
+      solveJoint(bodies, j, rows.pressed ? kSoftness : 0.0, impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }
     for (const AnchorSet& set : bodies.anchorSets) {

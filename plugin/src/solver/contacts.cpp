@@ -233,6 +233,7 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   row.velocityImpulse = inAxes(row, c.velocityImpulse);
   row.impulse = ContactVector();
   row.bounces = false;
+  row.beside = ContactConstraint::kNoRow;
 }
 
 /// Adds the row's impulse since the last change of its normal to the impulse of the contact.
@@ -460,6 +461,9 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
     if (contactOf(rows, i).restitution > 0.0) keepVelocity(rows, rows.rows[i]);
   numberNodes(rows, bodies);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
+  rows.pressed = std::any_of(rows.contacts.begin(), rows.contacts.end(), [](const Contact& c) {
+    return c.a.kind == ContactPoint::Kind::Rigid && c.b.kind == ContactPoint::Kind::World;
+  });
   rows.turns = std::any_of(rows.contacts.begin(), rows.contacts.end(), [](const Contact& c) {
     return !c.a.acceleration.isZero(0.0) || !c.b.acceleration.isZero(0.0);
   });

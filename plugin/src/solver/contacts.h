@@ -98,10 +98,10 @@ struct JointConstraint {
 
   // Written by the step.
   JointAxes local;
-  double curve = 0.0;                    ///< m/s, speed by which the pivots' paths in a drift are bent
-  double impulse = 0.0;                  ///< sum over the tick
-  double mass = 0.0;                     ///< impulse per speed; 0: neither side can be moved
-  double change = 0.0, direction = 0.0;  ///< scratch of the solver
+  double curve = 0.0;    ///< m/s, speed by which the pivots' paths in a drift are bent
+  double impulse = 0.0;  ///< sum over the tick
+  double mass = 0.0;     ///< impulse per speed; 0: neither side can be moved
+  double before = 0.0, change = 0.0, direction = 0.0;  ///< scratch of the solver
 };
 
 /// A velocity on which a contact depends and which it changes: of a point mass, or of a rigid body's centre.
@@ -158,9 +158,11 @@ enum class Couple : std::uint8_t { None, Soft, Rigid };
 
 /// A contact in the form that the sweeps use. Threads that sweep neighbouring rows share no cache line.
 struct alignas(64) ContactConstraint : ContactTarget {
+  static constexpr std::uint32_t kNoRow = static_cast<std::uint32_t>(-1);
   double axes[3][3];            ///< the normal and two tangents
   ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
+  std::uint32_t beside = kNoRow;  ///< another row of the same point, both with static or kinematic objects
   Couple couple;
   double gap;                    ///< m
   double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
@@ -255,6 +257,7 @@ struct IslandConstraints {
       scaledMasses;            ///< 1/kg, inverse masses of points in contacts with a massFactor
   double time = 0.0;           ///< s, since the tick's start, of the present substep's middle
   bool turns = false;          ///< a contact has an acceleration
+  bool pressed = false;        ///< static or kinematic objects press rigid bodies
   double squaredMotion = 0.0;  ///< m^2/s^2, mean square of the island's velocities, see kRecoveryWork
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps; see
                             ///< also kExactSweeps (contact_solver.cpp)
@@ -302,7 +305,7 @@ void holdJoints(IslandConstraints& rows, LinkedBodies& bodies);
 void divideRows(IslandConstraints& rows, const LinkedBodies& bodies);
 
 /// Numbers the point masses and rigid bodies of the rows in the order of the rows: sets `nodeOf`, `rowNodes`
-/// and the number of `nodes`. Sets `supportOf`.
+/// and the number of `nodes`. Sets `supportOf`, and `beside` of the rows.
 void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies);
 
 /// Calls visit(set) for all sets, for those of a phase at the same time.
