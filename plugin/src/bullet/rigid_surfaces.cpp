@@ -28,8 +28,8 @@ namespace {
 using Eigen::Vector3d;
 using Corners = std::vector<Vector3d>;
 
-/// Corners around a round shape. The polyhedron's faces are inside it by at most 0.12 % of its radius.
-constexpr int kCornersAround = 64;
+/// Corners around a round shape. The polyhedron's faces are inside it by at most 0.48 % of its radius.
+constexpr int kCornersAround = 32;
 
 /// Cosine of an angle. Edges between triangles with a smaller angle between their normals are flat.
 constexpr double kFlatTolerance = 0.9999;

@@ -31,8 +31,8 @@ constexpr double kSameContact = 0.995;
 /// Cosine between the normals of a round shape and of a polyhedron that approximates it.
 constexpr double kRoundNormalCosine = 0.98;
 
-/// Depth of its chords, as a fraction of the radius: 1 - cos(pi / 64) and rounding.
-constexpr double kRoundDepth = 0.0015;
+/// Depth of its chords, as a fraction of the radius: 1 - cos(pi / 32) and rounding.
+constexpr double kRoundDepth = 0.0051;
 
 bool isOfRevolution(Kind kind) {
   return kind == Kind::Capsule || kind == Kind::Cylinder || kind == Kind::Cone;
