@@ -506,5 +506,36 @@ TEST(Sleep, whatAnAwakeHandHoldsFallsWhenTheHandGoes) {
     }
 }
 
+/// A corner of one cloth that lies on the edge of the other swung for ever: contacts had the lever arms and
+/// the normals of the start of each tick.
+TEST(Sleep, ofTwoClothsThatLieOnEachOther) {
+  BulletWorld bullet(-10.0);
+  SoftBodySystem system(*bullet.world);
+  btStaticPlaneShape plane(test::vec(0, 1, 0), 0);
+  btRigidBody floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane));
+  bullet.world->addRigidBody(&floor);
+  ClothSettings grid;
+  grid.width = grid.depth = 0.3;
+  grid.columns = grid.rows = 5;
+  const SharedNetwork network = *buildCloth(grid);
+  SoftBodySettings s = test::testedSettings();
+  s.flow = SoftBodySettings().flow;
+  s.totalMass = 0.1;
+  s.extensionStiffness = s.compressionStiffness = 200.0;
+  s.damping = 0.2;
+  s.pointRadius = 0.008;
+  s.position = {-0.091140307819536109, 0.1, 0.11562918801355604};
+  s.rotation = Eigen::Quaterniond(-0.74870586244885362, -0.5279451425161007, -0.12342563614144571,
+                                  0.38141784223008185);
+  const SoftBody* lower = *system.createBody(network, s);
+  s.position = {0.036289154394198747, 0.3, -0.063150047877873317};
+  s.rotation = Eigen::Quaterniond(-0.95230473583818198, 0.017405946971924213, 0.28349181649449923,
+                                  -0.11155766710912444);
+  const SoftBody* upper = *system.createBody(network, s);
+  bullet.simulate(12.0);
+  EXPECT_TRUE(lower->sleeping() && upper->sleeping());
+  bullet.world->removeRigidBody(&floor);
+}
+
 }  // namespace
 }  // namespace limber

@@ -294,8 +294,9 @@ template <class PointB>
 void addContacts(const SurfaceCandidate& m, const std::vector<SurfaceContact>& contacts, double ahead,
                  double tick, SurfaceSearch& s, std::vector<Contact>& pairs,
                  std::vector<ContactSource>& sources, PointB pointB) {
-  for (const SurfaceContact& c : contacts) {
+  for (SurfaceContact c : contacts) {
     if (!counts(m, c, s)) continue;
+    if (m.other && ahead == tick) moveToMiddle(m.body->surface.moving, surfaceB(m), c);
     Contact pair = contactOf(m, c);
     if (m.held)
       setHeldSide(m, c, ahead, tick, pair);

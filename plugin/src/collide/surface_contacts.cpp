@@ -374,48 +374,55 @@ bool setWeights(SurfacePoint& point, const Weights& weights) {
   return true;
 }
 
-// The functions below move the two points of a contact to the nearest points of their features, and compute
-// its normal without length and sign. They return false if a nearest point has left its feature.
+// The functions below move the two points of a contact to the nearest points of their features at a time of
+// the tick, and compute its normal without length and sign. They return false if a nearest point has left its
+// feature.
 
 bool updateVertexTriangle(const MovingSurface& own, const SurfacePoint& vertex, const MovingSurface& other,
-                          SurfacePoint& triangle, Vector3d& normal) {
-  const auto corners = featureOf<3>(other, triangle.points).start;
+                          SurfacePoint& triangle, double time, Vector3d& normal) {
+  const auto corners = featureOf<3>(other, triangle.points).at(time);
   normal = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
-  return projectOnTriangle(corners, own.position->col(vertex.points[0]), triangle.weights);
+  return projectOnTriangle(corners, own.at(vertex.points[0], time), triangle.weights);
 }
 
-bool updateEdges(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
+bool updateEdges(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, double time,
+                 Vector3d& normal) {
   const auto ea = featureOf<2>(a, c.a.points), eb = featureOf<2>(b, c.b.points);
-  const auto nearest = nearestPoints(ea, eb, 0.0);
-  normal = (ea.start.col(1) - ea.start.col(0)).cross(eb.start.col(1) - eb.start.col(0));
+  const auto nearest = nearestPoints(ea, eb, time);
+  const auto xa = ea.at(time), xb = eb.at(time);
+  normal = (xa.col(1) - xa.col(0)).cross(xb.col(1) - xb.col(0));
   return setWeights(c.a, nearest.a) && setWeights(c.b, nearest.b);
 }
 
 bool updateVertexEdge(const MovingSurface& own, const SurfacePoint& vertex, const MovingSurface& other,
-                      SurfacePoint& edge, Vector3d& normal) {
-  const auto nearest = nearestPoints(featureOf<1>(own, vertex.points), featureOf<2>(other, edge.points), 0.0);
+                      SurfacePoint& edge, double time, Vector3d& normal) {
+  const auto nearest =
+      nearestPoints(featureOf<1>(own, vertex.points), featureOf<2>(other, edge.points), time);
   normal = nearest.offset;
   return setWeights(edge, nearest.b);
 }
 
-bool updatePoints(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, Vector3d& normal) {
+bool updatePoints(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c, double time,
+                  Vector3d& normal) {
   const FeatureKind onA = c.a.kind, onB = c.b.kind;
-  if (onB == FeatureKind::OnTriangle) return updateVertexTriangle(a, c.a, b, c.b, normal);
-  if (onA == FeatureKind::OnTriangle) return updateVertexTriangle(b, c.b, a, c.a, normal);
-  if (onA == FeatureKind::OnEdge && onB == FeatureKind::OnEdge) return updateEdges(a, b, c, normal);
-  if (onB == FeatureKind::OnEdge) return updateVertexEdge(a, c.a, b, c.b, normal);
-  if (onA == FeatureKind::OnEdge) return updateVertexEdge(b, c.b, a, c.a, normal);
-  normal = a.position->col(c.a.points[0]) - b.position->col(c.b.points[0]);
+  if (onB == FeatureKind::OnTriangle) return updateVertexTriangle(a, c.a, b, c.b, time, normal);
+  if (onA == FeatureKind::OnTriangle) return updateVertexTriangle(b, c.b, a, c.a, time, normal);
+  if (onA == FeatureKind::OnEdge && onB == FeatureKind::OnEdge) return updateEdges(a, b, c, time, normal);
+  if (onB == FeatureKind::OnEdge) return updateVertexEdge(a, c.a, b, c.b, time, normal);
+  if (onA == FeatureKind::OnEdge) return updateVertexEdge(b, c.b, a, c.a, time, normal);
+  normal = a.at(c.a.points[0], time) - b.at(c.b.points[0], time);
   return true;
 }
 
-bool refresh(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c) {
+/// Moves the contact to where its features are nearest at a time of the tick. The gap is that of now. Returns
+/// false if they no longer touch there, or if the cosine of the normal's rotation is less than `least`.
+bool moveTo(double time, const MovingSurface& a, const MovingSurface& b, double least, SurfaceContact& c) {
   Vector3d normal;
-  if (!updatePoints(a, b, c, normal)) return false;
+  if (!updatePoints(a, b, c, time, normal)) return false;
   const double length = normal.norm();
   if (!(length > 0.0)) return false;
   normal *= (normal.dot(c.normal) < 0.0 ? -1.0 : 1.0) / length;
-  if (normal.dot(c.normal) < kSameNormal) return false;
+  if (normal.dot(c.normal) < least) return false;
   c.normal = normal;
   c.gap = normal.dot(positionOf(a, c.a, 0.0) - positionOf(b, c.b, 0.0)) - (a.radius + b.radius);
   c.time = 0.0;
@@ -429,8 +436,14 @@ bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double marg
   if (cache.a.cols() != a.position->cols() || cache.b.cols() != b.position->cols()) return false;
   if (!areNearlyUnmoved(a, b, margin, cache)) return false;
   for (SurfaceContact& c : cache.contacts)
-    if (!refresh(a, b, c)) return false;
+    if (!moveTo(0.0, a, b, kSameNormal, c)) return false;
   return true;
+}
+
+void moveToMiddle(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c) {
+  constexpr double kLargestTurn = 0.9;  // cosine
+  if (c.time > 0.0 || c.separates) return;
+  if (SurfaceContact middle = c; moveTo(0.5, a, b, kLargestTurn, middle)) c = middle;
 }
 
 void storeContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,

@@ -116,6 +116,11 @@ struct ContactCache {
 /// apart than the margin cannot touch during this tick. Boxes need not be fitted.
 bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactCache& cache);
 
+/// Moves a contact of near features to where they are expected to be nearest in the middle of the tick. It
+/// keeps normal and points for a tick: with those of the start, its force would lag behind by half a tick,
+/// and would drive oscillations for ever, as of a cloth's corner that lies on the edge of another cloth.
+void moveToMiddle(const MovingSurface& a, const MovingSurface& b, SurfaceContact& c);
+
 /// Stores the contacts of a search in the cache.
 void storeContacts(const MovingSurface& a, const MovingSurface& b, const std::vector<SurfaceContact>& found,
                    ContactCache& cache);
