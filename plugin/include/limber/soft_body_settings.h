@@ -32,7 +32,8 @@ enum class Stepper : std::uint8_t {
 struct Stepping {
   Stepper stepper = Stepper::Auto;
   int minSubsteps = 5;  ///< per tick, 1 to 10000. With 5, the period of an oscillation of 30 ticks has an
-                        ///< error below 1e-4; they cost little compared to Bullet's part of the tick
+                        ///< error below 1e-4; they cost little compared to Bullet's part of the tick. A
+                        ///< smaller maxSubsteps counts
   double periodTolerance = 0.04;  ///< largest relative error of the period of the body's stiffest
                                   ///< oscillation (Verlet: (omega dt)^2 / 24), 1e-8 to 1. The error of
                                   ///< slower ones is smaller by the square of the ratio. Half the error
