@@ -275,7 +275,7 @@ TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {
               (a * cloth->position(t[0]) + b * cloth->position(t[1]) + (4 - a - b) * cloth->position(t[2])) /
               4.0;
           const double inside =
-              std::min(kRound * std::cos(kPi / 32) - std::hypot(p.x(), p.z()), kHalf - std::abs(p.y()));
+              std::min(kRound * std::cos(kPi / 64) - std::hypot(p.x(), p.z()), kHalf - std::abs(p.y()));
           deepest = std::max(deepest, inside);
         }
   }

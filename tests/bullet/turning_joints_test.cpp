@@ -71,6 +71,24 @@ std::vector<NamedJoint> joints() {
        kLateTolerance, kLateGap}};
 }
 
+RopeSettings ropeOf(std::uint32_t segments) {
+  RopeSettings rope;
+  rope.length = 0.4;
+  rope.segments = segments;
+  return rope;
+}
+
+/// Settings of a stiff rope that begins at x and touches nothing.
+SoftBodySettings undamped(double mass, double x) {
+  SoftBodySettings s = test::testedSettings();
+  s.extensionStiffness = s.compressionStiffness = 2e4;
+  s.damping = 0.0;
+  s.totalMass = mass;
+  s.position = {x, 0.1, 0.0};
+  s.collisionMask = 0;
+  return s;
+}
+
 /// Two jointed boxes with a taut rope between them, which spin without gravity.
 struct SpinningPair {
   SpinningPair(const NamedJoint& type, double spin) : bullet(0.0), system(*bullet.world) {
@@ -78,17 +96,9 @@ struct SpinningPair {
       bodies.push_back(bullet.addBox(vec(0.15, 0.05, 0.05), 3.0, vec(x, 0, 0)));
     joint.reset(type.make(*bodies[0], *bodies[1]));
     bullet.world->addConstraint(joint.get(), true);
-    RopeSettings rope;
-    rope.length = 0.4;
-    rope.segments = 2;
-    SoftBodySettings s = test::testedSettings();
-    s.extensionStiffness = s.compressionStiffness = 2e4;
-    s.damping = 0.0;
-    s.totalMass = 0.1;
-    s.position = {-0.2, 0.1, 0.0};
+    SoftBodySettings s = undamped(0.1, -0.2);
     s.angularVelocity = {0.0, spin, 0.0};
-    s.collisionMask = 0;
-    soft = *system.createBody(*buildRope(rope), s);
+    soft = *system.createBody(*buildRope(ropeOf(2)), s);
     EXPECT_TRUE(system.attach(soft, 0, *bodies[0]));
     EXPECT_TRUE(system.attach(soft, 2, *bodies[1]));
     for (btRigidBody* body : bodies) {
@@ -154,16 +164,7 @@ TEST(TurningJoints, letALimbSwing) {
   btPoint2PointConstraint elbow(*links[0], *links[1], vec(0.2, 0, 0), vec(-0.2, 0, 0));
   bullet.world->addConstraint(&shoulder, true);
   bullet.world->addConstraint(&elbow, true);
-  RopeSettings rope;
-  rope.length = 0.4;
-  rope.segments = 4;
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = 2e4;
-  s.damping = 0.0;
-  s.totalMass = 0.2;
-  s.position = {0.2, 0.1, 0.0};
-  s.collisionMask = 0;
-  SoftBody* soft = *system.createBody(*buildRope(rope), s);
+  SoftBody* soft = *system.createBody(*buildRope(ropeOf(4)), undamped(0.2, 0.2));
   ASSERT_TRUE(system.attach(soft, 0, *links[0]));
   ASSERT_TRUE(system.attach(soft, 4, *links[1]));
   for (btRigidBody* link : links) link->setActivationState(DISABLE_DEACTIVATION);

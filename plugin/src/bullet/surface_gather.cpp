@@ -213,7 +213,6 @@ void listBearing(const SurfaceCandidate& m, std::vector<std::uint64_t>& keys) {
   std::sort(keys.begin(), keys.end());
 }
 
-/// Fills s.contacts with the contacts of the present surfaces.
 /// Finds contacts that separate the body from another soft body, or a rigid one of a single shape, into which
 /// one of them has been placed.
 bool findOverlap(const SurfaceCandidate& m, SurfaceSearch& s) {
@@ -224,6 +223,7 @@ bool findOverlap(const SurfaceCandidate& m, SurfaceSearch& s) {
   return tested && findOverlapContacts(m.body->surface.moving, surfaceB(m), s.search, s.contacts);
 }
 
+/// Fills s.contacts with the contacts of the present surfaces.
 void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   s.contacts.clear();

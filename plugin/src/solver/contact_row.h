@@ -171,13 +171,15 @@ inline double yieldOf(const Contact& c, const ContactConstraint& row) {
   return isRigid ? std::min(yield, c.recoverySpeed) : yield;
 }
 
+/// Least cosine of the angle between opposite impulses, negated.
+constexpr double kOpposite = 0.5;
+
 /// Whether the row's point is between two static or kinematic objects.
 inline bool isPinched(const IslandConstraints& rows, const ContactConstraint& row) {
-  constexpr double kOpposite = -0.5;  // cosine between the normals
   if (row.beside == ContactConstraint::kNoRow) return false;
   const ContactConstraint& other = rows.rows[row.beside];
   const double* n = other.axes[0];
-  return other.mass > 0.0 && along(row.axes[0], {n[0], n[1], n[2]}) < kOpposite;
+  return other.mass > 0.0 && along(row.axes[0], {n[0], n[1], n[2]}) < -kOpposite;
 }
 
 /// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.

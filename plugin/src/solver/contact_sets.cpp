@@ -139,9 +139,6 @@ std::uint32_t nodeWith(const double* velocity, IslandConstraints& rows) {
   return node;
 }
 
-/// Least cosine of the angle between the impulses of a row and of a support, negated.
-constexpr double kOpposite = 0.5;
-
 bool isOpposite(const IslandConstraints& rows, const ContactConstraint& row, std::uint32_t point,
                 std::uint32_t support) {
   const double *n = row.axes[0], share = rows.points[point].share;

@@ -98,7 +98,7 @@ struct JointConstraint {
 
   // Written by the step.
   JointAxes local;
-  double curve = 0.0;    ///< m/s, speed by which the pivots' paths in a drift are bent
+  double curve = 0.0;    ///< m/s, what turning adds to the mean speed of the pivots in a drift
   double impulse = 0.0;  ///< sum over the tick
   double mass = 0.0;     ///< impulse per speed; 0: neither side can be moved
   double before = 0.0, change = 0.0, direction = 0.0;  ///< scratch of the solver

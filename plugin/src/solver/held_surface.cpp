@@ -190,8 +190,9 @@ double advanceToImpact(const Approach& m, HeldContact& c) {
     return {{at.normal[0], at.normal[1], at.normal[2]}, at.height};
   };
   kernel::Nearest<double> nearest = nearestAt(m.path.at(m.path.start).data());
-  const double time = kernel::advanceToImpact(m.path.from.data(), m.path.displacement.data(), m.path.start,
-                                              kernel::kHasCome * m.radius, m.radius, nearestAt, nearest);
+  const double time =
+      kernel::advanceToImpact(m.path.from.data(), m.path.displacement.data(), m.path.start,
+                              kernel::kImpactDistance * m.radius, m.radius, nearestAt, nearest);
   c = contactAt(m, at, m.path.at(time));
   return time;
 }

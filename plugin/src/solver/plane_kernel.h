@@ -71,8 +71,8 @@ struct Nearest {
 /// Share of a point's radius: contacts nearer than this are evaluated at its present position, not at impact.
 constexpr double kTouching = 0.05;
 
-/// Share of a point's radius: distance at which the point has come to a solid.
-constexpr double kHasCome = 0.01 * kTouching;
+/// Share of a point's radius: the distance from a solid at which a moving point is taken to hit it.
+constexpr double kImpactDistance = 0.01 * kTouching;
 
 constexpr int kMaxAdvances = 12;
 
@@ -133,7 +133,8 @@ inline V followCapsule(const Capsule<V>& capsule, const V* x, const V* displacem
   const V zero = all(V(), 0.0), none = all(V(), kNoImpact);
   Nearest<V> nearest = nearestOn(capsule, x);
   const V gap = nearest.height - radius, never = all(V(), 1e300);
-  const V hits = select(gap + dot(nearest.normal, displacement) < zero, all(V(), kHasCome) * radius, never);
+  const V hits =
+      select(gap + dot(nearest.normal, displacement) < zero, all(V(), kImpactDistance) * radius, never);
   const V near = select(gap > all(V(), kTouching) * radius, hits, never);
   V share = zero;
   if (any(near < never))
