@@ -173,7 +173,7 @@ void play(std::uint64_t seed, int allowance) {
 
 /// The environment variable LIMBER_SEEDS, "FIRST COUNT ALLOWANCE", plays other seeds.
 TEST(AcceptedSettings, keepPositionsFinite) {
-  unsigned first = 1, count = 300;
+  unsigned first = 1, count = 200;
   int allowance = 20000;
   if (const char* seeds = std::getenv("LIMBER_SEEDS"))
     std::sscanf(seeds, "%u %u %d", &first, &count, &allowance);

@@ -185,23 +185,39 @@ bool TriangleBvh::isPierced(const Vector3d& a, const Vector3d& b,
 
 TriangleHit TriangleBvh::nearestWithin(const Vector3d& position, double distance,
                                        const Vector3d& normal) const {
+  struct Waiting {
+    std::uint32_t node;
+    double squared;  ///< m^2, of the distance of its box
+  };
+  const auto waiting = [&](std::uint32_t node) -> Waiting {
+    const AlignedBox3d& box = nodes_[node].box;
+    return {node, (box.min() - position).cwiseMax(position - box.max()).cwiseMax(0.0).squaredNorm()};
+  };
   TriangleHit hit;
   double best = distance * distance;
-  const auto squaredDistance = [&](std::uint32_t node) {
-    return nodes_[node].box.squaredExteriorDistance(position);
+  const auto visit = [&](std::uint32_t triangle) {
+    const TriangleCorners& t = corners_[triangle];
+    if (areaVector(t[0], t[1], t[2]).dot(normal) < 0.0) return;
+    const Vector3d barycentric = nearestBarycentric(t, position), foot = pointAt(t, barycentric);
+    const double squared = (foot - position).squaredNorm();
+    if (squared > best || (squared == best && triangle > hit.triangle)) return;
+    best = squared;
+    hit = {triangle, std::sqrt(squared), foot, barycentric};
   };
-  traverse([&](const Node& node) { return !(node.box.squaredExteriorDistance(position) > best); },
-           [&](const Node& node) { return squaredDistance(node.first) > squaredDistance(node.first + 1); },
-           [&](std::uint32_t triangle) {
-             const TriangleCorners& t = corners_[triangle];
-             if (areaVector(t[0], t[1], t[2]).dot(normal) < 0.0) return;
-             const Vector3d barycentric = nearestBarycentric(t, position);
-             const Vector3d foot = pointAt(t, barycentric);
-             const double squared = (foot - position).squaredNorm();
-             if (squared > best || (squared == best && triangle > hit.triangle)) return;
-             best = squared;
-             hit = {triangle, std::sqrt(squared), foot, barycentric};
-           });
+  std::array<Waiting, kBvhStack> stack;
+  std::size_t size = 0;
+  if (!nodes_.empty()) stack[size++] = waiting(0);
+  while (size > 0) {
+    const Waiting next = stack[--size];
+    if (next.squared > best) continue;
+    const Node& node = nodes_[next.node];
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) visit(order_[i]);
+    if (node.count > 0) continue;
+    const Waiting first = waiting(node.first), second = waiting(node.first + 1);
+    const bool secondIsNearer = first.squared > second.squared;
+    stack[size++] = secondIsNearer ? first : second;
+    stack[size++] = secondIsNearer ? second : first;
+  }
   return hit;
 }
 

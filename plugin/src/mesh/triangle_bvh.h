@@ -42,6 +42,11 @@ class TriangleBvh {
                  const std::function<bool(std::uint32_t)>& accepts) const;
   TriangleHit nearest(const Eigen::Vector3d& position) const;
 
+  /// Returns the nearest triangle up to `distance` (m), if there is one. Of those that face against `normal`
+  /// none counts.
+  TriangleHit nearestWithin(const Eigen::Vector3d& position, double distance,
+                            const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
+
   /// Returns the nearest of the triangles whose normal does not point against `normal`, if there are any.
   TriangleHit nearestFacing(const Eigen::Vector3d& position, const Eigen::Vector3d& normal) const;
 
@@ -72,8 +77,6 @@ class TriangleBvh {
   void traverse(Enters enters, PrefersSecond prefersSecond, Visit visit) const;
   template <class Visit>
   void forEachCrossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double margin, Visit visit) const;
-  TriangleHit nearestWithin(const Eigen::Vector3d& position, double distance,
-                            const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
   bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
   std::vector<double> crossings(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 

@@ -89,6 +89,7 @@ struct Source {
   Triangles triangles;
   TriangleBvh bvh;
   double resolution, thickness, join;  ///< m
+  bool isClosed;                       ///< winding numbers change at its triangles only
 };
 
 /// At caps over holes there is no surface whose distance could place the boundary; there the winding number
@@ -96,10 +97,11 @@ struct Source {
 constexpr double kCellsPerHalf = 2.0;
 
 /// Returns the value of a place that is not near a sheet: negative inside, its size (m) the distance from the
-/// surface or from a cap.
-double solidValue(const Source& source, const Vector3d& p, double distance) {
-  const double excess = 0.5 - source.bvh.windingNumber(p);
-  const double size = std::min(distance, 2.0 * kCellsPerHalf * source.resolution * std::abs(excess));
+/// surface or from a cap. `excess`: by how much its winding number is below 1/2.
+double solidValue(const Source& source, const Vector3d& p, double excess) {
+  const double most = 2.0 * kCellsPerHalf * source.resolution * std::abs(excess);
+  const TriangleHit surface = source.bvh.nearestWithin(p, most);
+  const double size = surface ? surface.distance : most;
   return excess < 0.0 ? -size : size;
 }
 
@@ -125,16 +127,36 @@ bool isUniform(const Source& source, const Grid& grid, const Vector3i& low, cons
   return inside == 0 || inside == 8;
 }
 
+/// Returns the value of a neighbour on the same side of a closed surface, which is farther than a cell away;
+/// 0: there is none in the block that starts at `low`.
+double sameSide(const Grid& grid, const std::vector<double>& values, const Vector3i& low, const Vector3i& n) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (n[axis] == low[axis]) continue;
+    const double value = values[grid.index(n - Vector3i::Unit(axis))];
+    if (std::abs(value) > grid.width) return value;
+  }
+  return 0.0;
+}
+
+/// Sets the values of the nodes from `low` to `high` one by one. Winding numbers are only computed where
+/// neighbours do not tell the side.
+void sampleBlock(const Source& source, const Grid& grid, const Vector3i& low, const Vector3i& high,
+                 std::vector<double>& values) {
+  forEachNode(low, high, [&](const Vector3i& n) {
+    const Vector3d p = grid.position(n);
+    const double side = source.isClosed ? sameSide(grid, values, low, n) : 0.0;
+    const double excess = side == 0.0 ? 0.5 - source.bvh.windingNumber(p) : std::copysign(0.5, side);
+    values[grid.index(n)] = solidValue(source, p, excess);
+  });
+}
+
 /// Returns the value of each node. Values of blocks far from the surface are bounds.
 std::vector<double> sampleSolid(const Source& source, const Grid& grid) {
   std::vector<double> values(grid.size());
   forEachBlock(grid, [&](const Vector3i& low, const Vector3i& high) {
     double value = 0.0;
-    const bool uniform = isUniform(source, grid, low, high, value);
-    forEachNode(low, high, [&](const Vector3i& n) {
-      const Vector3d p = grid.position(n);
-      values[grid.index(n)] = uniform ? value : solidValue(source, p, source.bvh.nearest(p).distance);
-    });
+    if (!isUniform(source, grid, low, high, value)) return sampleBlock(source, grid, low, high, values);
+    forEachNode(low, high, [&](const Vector3i& n) { values[grid.index(n)] = value; });
   });
   return values;
 }
@@ -161,7 +183,9 @@ void thicken(const Soup& soup, double thickness, const Grid& grid, std::vector<d
     if (bvh.nearest(0.5 * (a + b)).distance > 0.5 * (b - a).norm() + far) return;
     forEachNode(low, high, [&](const Vector3i& n) {
       double& value = values[grid.index(n)];
-      value = std::min(value, bvh.nearest(grid.position(n)).distance - radius);
+      if (!(value > -radius)) return;
+      if (const TriangleHit near = bvh.nearestWithin(grid.position(n), value + radius))
+        value = std::min(value, near.distance - radius);
     });
   });
 }
@@ -497,12 +521,14 @@ Result<Source> makeSource(const TriangleMesh& mesh, const WrapSettings& settings
     if (Result<WeldedMesh> coarser = weld(mesh, kDetail * resolution)) welded = std::move(coarser);
   flip(welded->triangles, patchesFacingInward(welded->points, welded->triangles));
   TriangleBvh bvh(welded->points, welded->triangles);
+  const bool isClosed = findEdgeDefects(welded->triangles).none();
   return Source{std::move(welded->points),
                 std::move(welded->triangles),
                 std::move(bvh),
                 resolution,
                 settings.thickness > 0.0 ? settings.thickness : kWrapWidths * resolution,
-                settings.join > 0.0 ? settings.join : kWrapWidths * resolution};
+                settings.join > 0.0 ? settings.join : kWrapWidths * resolution,
+                isClosed};
 }
 
 /// Returns a grid with room for all changes around the mesh, or the reason why it is too large.
