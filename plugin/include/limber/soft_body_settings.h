@@ -47,10 +47,11 @@ struct Stepping {
           ///< SoftBody::softening(). So the cost is bounded at any stiffness. Bodies that touch
           ///< take the largest number of any of them, linked ones the smallest limit
 
-  double searchDistance = 0.05;  ///< largest relative displacement of two surfaces between searches for
-                                 ///< their contacts, as a share of the size of their triangles, 0.01 to 0.25.
-                                 ///< Only what moves faster is searched several times per tick. Of two
-                                 ///< bodies the smaller one counts
+  double searchDistance =
+      0.05;  ///< largest relative displacement of two surfaces between searches for
+             ///< their contacts, as a share of the size of their triangles, 0.01 to 0.25.
+             ///< Only what moves faster is searched several times per tick. Of two
+             ///< bodies the smaller one counts; for a rigid ball that rolls on a body, a tenth
 
   /// Returns the cheapest settings for those who can bear about 2 % of error in the strain and period of what
   /// one sees: 2 to 10 substeps, a periodTolerance of 0.08 and a searchDistance of 0.25. What 10 substeps do

@@ -179,6 +179,13 @@ double longestDisplacement(const Points& motion, const Vector3d& common) {
   return std::sqrt((motion.colwise() - common).colwise().squaredNorm().maxCoeff());
 }
 
+/// Whether side b is a ball that a rigid body moves.
+bool isBall(const SurfaceCandidate& m) { return m.partner && surfaceB(m).position->cols() == 1; }
+
+/// Share of the search distance for a ball in contact. Its contacts follow it to the borders of their
+/// triangles. Then it sinks into the next ones until these are found, and gains the energy of being lifted.
+constexpr double kBallShare = 0.1;
+
 bool isSelf(const SurfaceCandidate& m) { return m.other == m.body; }
 
 /// Returns whether new contacts of the body are searched for within a tick. Bodies that are stepped together
@@ -279,10 +286,9 @@ double commonDistance(const SurfaceCandidate& m, double gap) {
 /// Returns the sum of the radii (m) if side b of the contact is a ball about a rigid body's centre of mass,
 /// and its common point with the soft body is that far from there, else 0.
 double ballRadius(const SurfaceCandidate& m, const Contact& contact) {
-  if (!m.partner || contact.b.kind != ContactPoint::Kind::Rigid) return 0.0;
+  if (!isBall(m) || contact.b.kind != ContactPoint::Kind::Rigid) return 0.0;
   const MovingSurface& b = surfaceB(m);
   const double sum = b.radius + m.body->surface.moving.radius;
-  if (b.position->cols() != 1) return 0.0;
   // of the positions, which Bullet rounds
   constexpr double kRounding = 1e-3;
   return (contact.b.arm - sum * contact.normal).norm() < kRounding * b.radius ? sum : 0.0;
@@ -432,6 +438,7 @@ double radiusSumOf(const SurfaceCandidate& m) { return m.body->surface.moving.ra
 
 double searchDistanceOf(const SurfaceCandidate& m) {
   const double own = m.body->settings.stepping.searchDistance;
+  if (isBall(m) && m.end > m.first) return kBallShare * own;
   return m.other ? std::min(own, m.other->settings.stepping.searchDistance) : own;
 }
 

@@ -35,7 +35,7 @@ bool isRound(const MovingSurface& surface, const MovingSurface& other) {
 /// Cosine of the largest angle between equal directions, and the fraction of the feature size up to which the
 /// contact points of a round surface are then equal. Farther apart they support it at several places: in a
 /// shallow dent it touches features that move on their own.
-constexpr double kSameDirection = 0.995, kSamePlace = 0.05;
+constexpr double kSameDirection = 0.995, kSamePlace = 0.02;
 
 double sameDirection(const SurfacePair& pair, double featureSize) {
   const double radius = isRound(pair.a, pair.b)   ? pair.a.radius
