@@ -319,6 +319,51 @@ TEST(StrongDampers, stopAnImpactAsFineSubstepsDo) {
   }
 }
 
+// --- edges that are pressed flat ---------------------------------------------------------------------------
+
+struct AfterHit {
+  double energy = 0.0;  ///< as a share of that before
+  double spin = 0.0;    ///< kg m^2/s, angular momentum about the capsule's axis, of the body about its centre
+};
+
+/// Throws an undamped rubber ball without friction, 0.25 m across, at 6 m/s against the side of a capsule.
+AfterHit hitOnCapsule(const SharedNetwork& ball, double tick) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  Material rubber = Material::rubber();
+  rubber.dampingTime = 0.0;
+  SoftBodySettings s = *withMaterial(*ball, rubber);
+  s.pointRadius = 0.004;
+  s.friction = 0.0;
+  s.position = {-0.5, 0.12, 0};
+  s.linearVelocity = {6, 0, 0};
+  bullet.add(std::make_unique<btCapsuleShapeZ>(btScalar(0.15), btScalar(3)), 0.0, vec(0.3, -0.05, 0.02));
+  SoftBody& body = **system.createBody(ball, s);
+  const double before = body.kineticEnergy();
+  bullet.simulate(0.3, tick);
+  const Vector3d own = body.angularMomentum() - body.centerOfMass().cross(body.linearMomentum());
+  return {(body.kineticEnergy() + body.elasticEnergy()) / before, own.z()};
+}
+
+/// The edges of the ball's surface are pressed flat, and so concave, within the tick of the hit. They were
+/// let go and caught again at each search, which took 8 % of the energy and 40 % of the spin at 1/30 s.
+TEST(PressedEdges, carryAlikeAtAnyTick) {
+  if (!test::kSurface) GTEST_SKIP() << "points have no edges";
+  MaterialMesh points;
+  points.points = 150;
+  TriangleMesh sphere = small_meshes::icosphere(2);
+  for (Vector3d& p : sphere.positions) p *= 0.25 / p.norm();
+  const SharedNetwork ball = *buildMaterialNetwork(sphere, points);
+  const AfterHit fine = hitOnCapsule(ball, 1.0 / 240.0);
+  EXPECT_GT(fine.energy, 0.98);
+  for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0}) {
+    const AfterHit hit = hitOnCapsule(ball, tick);
+    // a twelfth of the spin is the error of the default substeps
+    EXPECT_NEAR(hit.energy, fine.energy, 0.01) << tick;
+    EXPECT_NEAR(hit.spin, fine.spin, 0.08 * std::abs(fine.spin)) << tick;
+  }
+}
+
 // --- a cloth between a heavy body and spikes ---------------------------------------------------------------
 
 /// A ground of 13 x 13 corners, some of them spikes of 0.6 m.

@@ -16,18 +16,34 @@ namespace {
 
 // --- the contacts of a pair --------------------------------------------------------------------------------
 
-/// Collects the contacts of a candidate and marks them as ended until the search finds them again.
-void collectOldContacts(Island& island, std::uint32_t number, const TickContacts& found) {
+/// Calls visit(key, index in step.pairs.contacts) for each contact of a candidate.
+template <class Visit>
+void forEachContact(const Island& island, std::uint32_t number, const TickContacts& found, Visit visit) {
   const SurfaceCandidate& m = *island.candidates[number].surfaces;
-  island.oldContacts.clear();
   const auto begin = island.contacts.begin();
   for (auto it = std::lower_bound(begin, island.contacts.end(), m.first);
        it != island.contacts.end() && *it < m.end; ++it)
-    island.oldContacts.emplace_back(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
+    visit(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
   const std::size_t first = island.contacts.size() + island.rows.size();
   for (std::size_t i = 0; i < island.late.size(); ++i)
     if (island.late[i].candidate == number)
-      island.oldContacts.emplace_back(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
+      visit(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
+}
+
+/// Lists the contacts of a candidate that have borne a load in this tick.
+void listBearing(const Island& island, std::uint32_t number, const TickContacts& found,
+                 std::vector<std::uint64_t>& keys) {
+  keys.clear();
+  forEachContact(island, number, found, [&](std::uint64_t key, std::uint32_t i) {
+    if (island.step.pairs.contacts[i].impulse.along > 0.0) keys.push_back(key);
+  });
+}
+
+/// Collects the contacts of a candidate and marks them as ended until the search finds them again.
+void collectOldContacts(Island& island, std::uint32_t number, const TickContacts& found) {
+  island.oldContacts.clear();
+  forEachContact(island, number, found,
+                 [&](std::uint64_t key, std::uint32_t i) { island.oldContacts.emplace_back(key, i); });
   std::sort(island.oldContacts.begin(), island.oldContacts.end());
   for (const auto& [key, i] : island.oldContacts) island.step.pairs.contacts[i].ended = true;
 }
@@ -215,8 +231,10 @@ void searchPeriod(const SearchContext& c, SolverIsland& group, Team& team, std::
   const auto pairAt = [&](std::uint32_t i) -> const IslandPair& {
     return island.candidates[island.searched[i]];
   };
-  for (std::uint32_t i = 0; i < searched; ++i)
+  for (std::uint32_t i = 0; i < searched; ++i) {
     movePartInStep(*pairAt(i).surfaces, rigidOf(pairAt(i), group), time);
+    listBearing(island, island.searched[i], *c.found, island.inStep[i].bearing);
+  }
   team.forEach((searched + kCandidatesPerTask - 1) / kCandidatesPerTask, [&](std::uint32_t block) {
     c.searches->with([&](SurfaceSearch& search) {
       const std::uint32_t end = std::min((block + 1) * kCandidatesPerTask, searched);

@@ -207,10 +207,9 @@ bool keepsStepper(const SurfaceCandidate& m) {
   return m.body->prefersImplicit || (m.other && m.other->prefersImplicit);
 }
 
-/// Lists the contacts that had an impulse in the last tick (those of other parts too, with keys that no
-/// feature has).
+/// Adds the contacts that had an impulse in the last tick (those of other parts too, with keys that no
+/// feature has), and sorts the list.
 void listBearing(const SurfaceCandidate& m, std::vector<std::uint64_t>& keys) {
-  keys.clear();
   const int partner = handleOf(objectInWorld(partnerOf(m))).id;
   const std::vector<StoredImpulse>& stored = m.body->storedImpulses;
   auto it = std::lower_bound(stored.begin(), stored.end(), partner,
@@ -230,7 +229,8 @@ bool findOverlap(const SurfaceCandidate& m, SurfaceSearch& s) {
   return tested && findOverlapContacts(m.body->surface.moving, surfaceB(m), s.search, s.contacts);
 }
 
-/// Fills s.contacts with the contacts of the present surfaces.
+/// Fills s.contacts with the contacts of the present surfaces. s.search.bearing lists those that have borne a
+/// load in this tick.
 void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
   const MovingSurface &a = m.body->surface.moving, &b = surfaceB(m);
   s.contacts.clear();
@@ -258,6 +258,7 @@ const std::vector<SurfaceContact>& cachedContacts(const SurfaceCandidate& m, dou
   if (!refreshContacts(a, b, margin(m), cache)) {
     boxedSurface(*m.body, tick);
     if (m.other) boxedSurface(*m.other, tick);
+    s.search.bearing.clear();
     findContacts(m, s);
     storeContacts(a, b, s.contacts, cache);
   }
@@ -376,6 +377,7 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& pa
   if (staysCloseToRound(soft, part) || !hasSharpFeatureNear(box, part)) return;
   boxedSurface(body, tick);
   if (!areNear(soft, part.moving, margin(m)) || !hasSharpFeatureNear(soft.boxes->nodes[0], part)) return;
+  s.search.bearing.clear();
   findContacts(m, s);
   addCandidate(m, s.contacts, tick, s, found);
 }
@@ -416,6 +418,7 @@ void gatherSoft(SoftBodyData& body, SoftBodyData& other, double tick, SurfaceSea
 void gatherSelf(SoftBodyData& body, double tick, SurfaceSearch& s, TickContacts& found) {
   const SurfaceCandidate m{&body, &body};
   boxedSurface(body, tick);
+  s.search.bearing.clear();
   findContacts(m, s);
   addCandidate(m, s.contacts, tick, s, found);
 }
@@ -501,6 +504,8 @@ void findContactsInStep(const SurfaceCandidate& m, const RigidState* rigid, cons
                         SurfaceSearch& s, ContactsInStep& found) {
   found.contacts.clear();
   found.sources.clear();
+  s.search.bearing.clear();
+  for (const std::uint64_t key : found.bearing) s.search.bearing.push_back(keyInPart(m, key));
   findContacts(m, s);
   const auto pointB = [&](const SurfaceContact& c) {
     if (m.other) return softContactPoint(*m.other, c.b);

@@ -44,6 +44,7 @@ struct SurfaceSearch {
 
 /// The contacts of a candidate, found within a step.
 struct ContactsInStep {
+  std::vector<std::uint64_t> bearing;  ///< keys of those that have borne a load in this tick
   std::vector<Contact> contacts;
   std::vector<ContactSource> sources;  ///< #contacts
   std::vector<std::uint32_t> newOnes;  ///< scratch: of those that no earlier search has found
