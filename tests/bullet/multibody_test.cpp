@@ -7,12 +7,15 @@
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
+#include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <gtest/gtest.h>
 
@@ -302,6 +305,141 @@ TEST(MultiBodies, whatACubeHitsWhenItReboundsWithinATickKeepsMomentum) {
   }
   EXPECT_LT(w.multiBodies[0]->getBaseVel().x(), -0.3);
   EXPECT_GT(w.multiBodies[1]->getBaseVel().x(), 1);
+}
+
+/// How an arm is pressed down.
+enum class Drive { JointTorque, LinkTorque, Motor };
+
+/// Returns the moment (N m) of the contacts about the joint of an arm of 1 kg and 0.5 m that lies on a soft
+/// cube and is pressed with 5 N m; 0.25 m g cos(angle) is the share of its weight. Less 5 N m and this share.
+double missingMoment(Drive drive, double tick, double& sagged) {
+  MultiBodyWorld bullet(-test::kGravity);
+  bullet.addPlaneFloor();
+  SoftBodySystem system(*bullet.world);
+  const btVector3 half = vec(0.25, 0.03, 0.03);
+  btMultiBody* arm = bullet.addMultiBody(1, 0.0, half, vec(-0.5, 0.25, 0), true);
+  arm->setupRevolute(0, 1, inertiaOf(half, 1.0), -1, btQuaternion::getIdentity(), vec(0, 0, 1), vec(0, 0, 0),
+                     vec(0.25, 0, 0), false);
+  const btMultiBodyLinkCollider* link = bullet.addCollider(arm, 0, half);
+  bullet.enter(arm);
+  arm->setJointPos(0, btScalar(0.6));
+  btMultiBodyJointMotor motor(arm, 0, -3, btScalar(5.0 * tick));
+  if (drive == Drive::Motor) bullet.multiWorld->addMultiBodyConstraint(&motor);
+  SoftBodySettings s = cubeBesideLinksAt({-0.1, 0.16, 0}, 0.5);
+  s.scale.setConstant(0.3);
+  s.extensionStiffness = s.compressionStiffness = 3000.0;
+  s.damping = 10.0;
+  s.pointRadius = 0.005;
+  const SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+  const auto press = [&](double seconds) {
+    double moment = 0.0;
+    const int ticks = static_cast<int>(seconds / tick + 0.5);
+    for (int i = 0; i < ticks; ++i) {
+      if (drive == Drive::JointTorque) arm->addJointTorque(0, -5);
+      if (drive == Drive::LinkTorque) arm->addLinkTorque(0, vec(0, 0, -5));
+      bullet.tick(tick);
+      for (const SoftContact& c : cube.contacts())
+        if (c.other == link)
+          moment -= double((c.position - vec(-0.5, 0.25, 0)).cross(c.impulse).z()) / seconds;
+    }
+    return moment;
+  };
+  press(2.0);
+  const double before = double(arm->getJointPos(0)), moment = press(1.0);
+  sagged = before - double(arm->getJointPos(0));
+  if (drive == Drive::Motor) bullet.multiWorld->removeMultiBodyConstraint(&motor);
+  return 5.0 + test::kGravity * 0.25 * std::cos(before) - moment;
+}
+
+/// Their torques were not part of the step: the arm sank at 0.1 rad/s, and the contacts carried its weight.
+TEST(MultiBodies, torquesAndMotorsOfJointsPressWithTheirMoment) {
+  if (!test::kSurface) GTEST_SKIP() << "the arm falls between the points";
+  for (const Drive drive : {Drive::JointTorque, Drive::LinkTorque, Drive::Motor})
+    for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0}) {
+      double sagged = 0.0;
+      EXPECT_NEAR(missingMoment(drive, tick, sagged), 0.0, 0.05) << int(drive) << ' ' << tick;
+      EXPECT_NEAR(sagged, 0.0, 2e-3) << int(drive) << ' ' << tick;
+    }
+}
+
+/// Bullet integrated the velocity at the end of the tick, which is not that of the step on the way: a box
+/// that fell on a cloth tilted by half a radian and sank into it.
+TEST(MultiBodies, aBaseOnAClothLiesFlat) {
+  if (!test::kSurface) GTEST_SKIP() << "the box falls between the points";
+  for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0}) {
+    MultiBodyWorld bullet(-test::kGravity);
+    SoftBodySystem system(*bullet.world);
+    const btVector3 half = vec(0.1, 0.1, 0.1);
+    btMultiBody* box = bullet.addMultiBody(0, 2.0, half, vec(0.03, 2.13, 0.02), false);
+    bullet.addCollider(box, -1, half)->setFriction(btScalar(0.5));
+    bullet.enter(box);
+    ClothSettings how;
+    how.width = how.depth = 2.0;
+    how.columns = how.rows = 14;
+    SoftBodySettings s;
+    s.position.y() = 2.0;
+    s.totalMass = 2.0;
+    s.extensionStiffness = s.compressionStiffness = 8000.0;
+    s.damping = 5.0;
+    SoftBody& cloth = **system.createBody(*buildCloth(how), s);
+    for (std::uint32_t i = 0; i < 15; ++i)
+      for (const std::uint32_t border : {i, 210 + i, 15 * i, 15 * i + 14}) cloth.pin(border);
+    for (double time = 0.0; time < 3.0; time += tick) {
+      bullet.tick(tick);
+      const btVector3 up = btMatrix3x3(box->getWorldToBaseRot()).getColumn(1);
+      ASSERT_GT(double(up.y()), 0.99) << tick << ", at " << time << " s";
+      ASSERT_GT(double(box->getBasePos().y()), 1.9) << tick << ", at " << time << " s";
+    }
+  }
+}
+
+/// What carries it is for Bullet's solver, to which it must not seem to fall in each tick.
+TEST(MultiBodies, aBaseOnTheFloorUnderACubeStaysStill) {
+  MultiBodyWorld bullet(-test::kGravity);
+  bullet.addBoxFloor()->setFriction(1);
+  SoftBodySystem system(*bullet.world);
+  const btVector3 half = vec(0.7, 0.2, 0.7);
+  btMultiBody* box = bullet.addMultiBody(0, 5.0, half, vec(0, 0.2, 0), false);
+  btMultiBodyLinkCollider* collider = bullet.addCollider(box, -1, half);
+  bullet.enter(box);
+  // Bullet adds it as a static object
+  collider->getBroadphaseHandle()->m_collisionFilterGroup = btBroadphaseProxy::DefaultFilter;
+  collider->getBroadphaseHandle()->m_collisionFilterMask = btBroadphaseProxy::AllFilter;
+  SoftBodySettings s = cubeBesideLinksAt({0.02, 0.93, 0.01}, 1.0);
+  s.sleepingSpeed = 0.0;
+  const SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+  bullet.simulate(3.0);
+  EXPECT_NEAR(double(box->getBasePos().y()), 0.2, 0.01);
+  EXPECT_LT(double(box->getBaseVel().length()), 0.02);
+  EXPECT_NEAR(cube.centerOfMass().y(), 0.92, 0.02);
+}
+
+/// Stops at its limit and stays there, whether a soft body or nothing presses it.
+TEST(MultiBodies, aDoorThatIsHitStopsAtItsLimit) {
+  if (!test::kSurface) GTEST_SKIP() << "its edge passes between the points";
+  MultiBodyWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  const btVector3 half = vec(0.5, 1, 0.05);
+  btMultiBody* door = bullet.addMultiBody(1, 0.0, half, vec(0, 0, 0), true);
+  door->setupRevolute(0, 2, inertiaOf(half, 2.0), -1, btQuaternion::getIdentity(), vec(0, 1, 0), vec(0, 0, 0),
+                      vec(0.5, 0, 0), false);
+  bullet.addCollider(door, 0, half);
+  bullet.enter(door);
+  btMultiBodyJointLimitConstraint limit(door, 0, btScalar(-0.3), btScalar(0.3));
+  bullet.multiWorld->addMultiBodyConstraint(&limit);
+  SoftBodySettings s = cubeBesideLinksAt({0.6, 0, 0.8});
+  s.linearVelocity.z() = -5.0;
+  SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+  double farthest = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    bullet.tick();
+    farthest = std::max(farthest, std::abs(double(door->getJointPos(0))));
+  }
+  EXPECT_GT(farthest, 0.29);
+  EXPECT_LT(farthest, 0.32);
+  EXPECT_LT(std::abs(double(door->getJointVel(0))), 1.0);
+  EXPECT_GT(cube.linearMomentum().z(), 0.0);
+  bullet.multiWorld->removeMultiBodyConstraint(&limit);
 }
 
 TEST(MultiBodies, aMovingCharacterPushesACubeASensorDoesNot) {

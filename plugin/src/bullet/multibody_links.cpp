@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Zlib
 
 // This file makes rigid bodies and joints from the links of multibodies for a tick, and applies the resulting
-// impulses to the multibodies.
+// impulses and motions to the multibodies.
 
 #include "bullet/bullet_objects.h"
+#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/linear_algebra.h"
+
+#include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
+
+#include <Eigen/LU>
 
 #include <algorithm>
 
@@ -56,6 +62,58 @@ Eigen::MatrixXd freedomOf(const btMultibodyLink& link) {
   return freedom;
 }
 
+/// Returns the six-vectors w_d, in the link's frame, that tell the rates of a joint's degrees of freedom from
+/// the relative motion of its link:  rate_d = w_d . (angular velocity, velocity).  A unit force of degree d
+/// acts on the link as the torque and force w_d.
+Eigen::MatrixXd ratesOf(const btMultibodyLink& link) {
+  const Eigen::MatrixXd freedom = freedomOf(link);
+  return freedom * (freedom.transpose() * freedom).inverse();
+}
+
+/// A motion, or a torque and force, in world coordinates.
+struct Twist {
+  Vector3d angular = Vector3d::Zero(), linear = Vector3d::Zero();
+};
+
+Twist inWorld(const btMatrix3x3& basis, const Vector6d& own) {
+  return {toEigen(basis * toBullet(own.head<3>())), toEigen(basis * toBullet(own.tail<3>()))};
+}
+
+/// Returns a row that acts along `direction` on the child, and against it on the parent, `arm` (m) from the
+/// parent's centre of mass to the child's.
+JointConstraint rowAlong(const Twist& direction, const Vector3d& arm) {
+  JointConstraint row;
+  row.angularA = direction.angular, row.linearA = direction.linear;
+  row.linearB = -row.linearA;
+  row.angularB = -row.angularA - arm.cross(row.linearA);
+  row.armB = arm;
+  return row;
+}
+
+}  // namespace
+
+namespace {
+
+/// Returns the vector (m) from the parent's centre of mass to the child's.
+Vector3d armOf(const LinkBody& child, const LinkBody& parent) {
+  return toEigen(child.getCenterOfMassPosition()) - toEigen(parent.getCenterOfMassPosition());
+}
+
+/// Returns the number of velocities: 3 angular and 3 linear ones of the base, then those of the joints.
+std::size_t sizeOf(const btMultiBody& multiBody) {
+  return static_cast<std::size_t>(multiBody.getNumDofs()) + 6;
+}
+
+std::vector<btScalar> velocitiesOf(const btMultiBody& multiBody) {
+  return {multiBody.getVelocityVector(), multiBody.getVelocityVector() + sizeOf(multiBody)};
+}
+
+/// Whether it is a motor or a limit of single degrees of freedom.
+bool isDrive(const btMultiBodyConstraint& constraint) {
+  return dynamic_cast<const btMultiBodyJointMotor*>(&constraint) ||
+         dynamic_cast<const btMultiBodyJointLimitConstraint*>(&constraint);
+}
+
 }  // namespace
 
 bool isHeldLink(const btMultiBodyLinkCollider& collider) {
@@ -65,9 +123,11 @@ bool isHeldLink(const btMultiBodyLinkCollider& collider) {
   return m.hasFixedBase();
 }
 
-void MultiBodyLinks::begin(const btCollisionWorld& world) {
+void MultiBodyLinks::begin(btDiscreteDynamicsWorld& world) {
+  world_ = dynamic_cast<btMultiBodyDynamicsWorld*>(&world);
   objects_ = world.getNumCollisionObjects();
   touched_.clear();
+  drives_.clear();
   const auto isOld = [](const auto& body) { return ++body->unused > kMaxUnusedTicks; };
   bodies_.erase(std::remove_if(bodies_.begin(), bodies_.end(), isOld), bodies_.end());
 }
@@ -104,33 +164,46 @@ LinkBody& MultiBodyLinks::bodyOf(const btMultiBodyLinkCollider& collider) {
   return body;
 }
 
-void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& found) {
-  const btMultibodyLink& joint = multiBody.getLink(link);
-  LinkBody& child = bodyOf(multiBody, link);
-  LinkBody& parent = bodyOf(multiBody, joint.m_parent);
+bool MultiBodyLinks::findSides(btMultiBody& multiBody, int link, TickContacts& found, JointConstraint& row) {
   const auto numberOf = [&](LinkBody& body) {
     const bool fixed = body.link < 0 && multiBody.hasFixedBase();
     return fixed || !isFree(body) ? JointConstraint::kHeld : found.add(body);
   };
-  const Vector3d arm = toEigen(child.getCenterOfMassPosition()) - toEigen(parent.getCenterOfMassPosition());
+  row.a = numberOf(bodyOf(multiBody, link));
+  row.b = numberOf(bodyOf(multiBody, multiBody.getLink(link).m_parent));
+  return row.a != JointConstraint::kHeld || row.b != JointConstraint::kHeld;
+}
+
+void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& found) {
+  const btMultibodyLink& joint = multiBody.getLink(link);
+  LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
+  JointConstraint sides;
+  if (!findSides(multiBody, link, found, sides)) return;
+  const Vector3d arm = armOf(child, parent);
   const btMatrix3x3& basis = child.getWorldTransform().getBasis();
-  const std::uint32_t a = numberOf(child), b = numberOf(parent);
-  if (a == JointConstraint::kHeld && b == JointConstraint::kHeld) return;
   // all directions except those of the joint's freedom
   const Eigen::MatrixXd freedom = freedomOf(joint);
   const Eigen::Matrix<double, 6, 6> directions = orthogonalColumns(freedom, 6);
   for (Eigen::Index d = freedom.cols(); d < 6; ++d) {
-    const Vector6d fixedDirection = directions.col(d);
-    JointConstraint row;
-    row.a = a, row.b = b;
-    row.angularA = toEigen(basis * toBullet(fixedDirection.head<3>()));
-    row.linearA = toEigen(basis * toBullet(fixedDirection.tail<3>()));
-    row.linearB = -row.linearA;
-    row.angularB = -row.angularA - arm.cross(row.linearA);
-    row.armB = arm;
+    JointConstraint row = rowAlong(inWorld(basis, directions.col(d)), arm);
+    row.a = sides.a, row.b = sides.b;
     found.joints.push_back(row);
     found.jointSources.emplace_back();
   }
+  addTorques(multiBody, link);
+}
+
+void MultiBodyLinks::addTorques(btMultiBody& multiBody, int link) {
+  const btMultibodyLink& joint = multiBody.getLink(link);
+  if (joint.m_dofCount == 0) return;
+  LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
+  Eigen::VectorXd torques(joint.m_dofCount);
+  for (int d = 0; d < joint.m_dofCount; ++d) torques[d] = double(joint.m_jointTorque[d]);
+  const Twist w = inWorld(child.getWorldTransform().getBasis(), ratesOf(joint) * torques);
+  child.applyTorque(toBullet(w.angular));
+  child.applyCentralForce(toBullet(w.linear));
+  parent.applyTorque(toBullet(-w.angular - armOf(child, parent).cross(w.linear)));
+  parent.applyCentralForce(toBullet(-w.linear));
 }
 
 void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found) {
@@ -141,6 +214,65 @@ void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touche
     body.forceActivationState(touched.getActivationState());
   }
   for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(multiBody, link, found);
+  if (world_) addDrives(multiBody, found);
+}
+
+/// Computes the inertias for what follows. With a time step of 0 this keeps the velocities.
+void MultiBodyLinks::prepareInertias(btMultiBody& multiBody) {
+  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(btScalar(0), numbers_, vectors_, matrices_,
+                                                                 false, false, false);
+}
+
+/// Adds the rows of its motors and limits.
+void MultiBodyLinks::addDrives(btMultiBody& multiBody, TickContacts& found) {
+  prepareInertias(multiBody);
+  for (int i = 0; i < world_->getNumMultiBodyConstraints(); ++i) {
+    btMultiBodyConstraint& drive = *world_->getMultiBodyConstraint(i);
+    if (drive.getMultiBodyA() != &multiBody && drive.getMultiBodyB() != &multiBody) continue;
+    if (isDrive(drive)) addDrive(multiBody, drive, found);
+  }
+}
+
+/// Adds the rows that Bullet's solver would make: J . (change of the velocities) = m_rhs / m_jacDiagABInv.
+void MultiBodyLinks::addDrive(btMultiBody& multiBody, btMultiBodyConstraint& drive, TickContacts& found) {
+  btContactSolverInfo info = world_->getSolverInfo();
+  info.m_timeStep = static_cast<btScalar>(found.tick);
+  btMultiBodyConstraintArray rows;
+  btMultiBodyJacobianData data;
+  data.m_solverBodyPool = nullptr, data.m_fixedBodyId = 0;
+  const int companion = multiBody.getCompanionId();
+  multiBody.setCompanionId(-1);
+  drive.createConstraintRows(rows, data, info);
+  multiBody.setCompanionId(companion);
+  for (int i = 0; i < rows.size(); ++i) {
+    const btMultiBodySolverConstraint& row = rows[i];
+    if (row.m_jacDiagABInv > btScalar(0))
+      addDriveRow(multiBody, row, &data.m_jacobians[row.m_jacAindex], found);
+  }
+}
+
+void MultiBodyLinks::addDriveRow(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
+                                 const btScalar* jacobian, TickContacts& found) {
+  for (int link = 0; link < multiBody.getNumLinks(); ++link) {
+    const btMultibodyLink& joint = multiBody.getLink(link);
+    for (int d = 0; d < joint.m_dofCount; ++d) {
+      const int column = 6 + joint.m_dofOffset + d;
+      const double share = double(jacobian[column]);
+      JointConstraint sides;
+      if (share == 0.0 || !findSides(multiBody, link, found, sides)) continue;
+      LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
+      const btMatrix3x3& basis = child.getWorldTransform().getBasis();
+      JointConstraint row = rowAlong(inWorld(basis, share * ratesOf(joint).col(d)), armOf(child, parent));
+      row.a = sides.a, row.b = sides.b;
+      row.speed = share * double(multiBody.getVelocityVector()[column]) +
+                  double(source.m_rhs / source.m_jacDiagABInv);
+      if (source.m_lowerLimit > -SIMD_INFINITY) row.lower = double(source.m_lowerLimit);
+      if (source.m_upperLimit < SIMD_INFINITY) row.upper = double(source.m_upperLimit);
+      drives_.push_back({source.m_orgConstraint, column, share, found.joints.size()});
+      found.joints.push_back(row);
+      found.jointSources.emplace_back();
+    }
+  }
 }
 
 void MultiBodyLinks::addJoints(TickContacts& found) {
@@ -153,6 +285,8 @@ void MultiBodyLinks::addJoints(TickContacts& found) {
   }
 }
 
+// --- after the step ----------------------------------------------------------------------------------------
+
 void MultiBodyLinks::applyImpulses(const TickContacts& found) {
   if (touched_.empty()) return;
   for (const Contact& c : found.contacts)
@@ -164,29 +298,150 @@ void MultiBodyLinks::applyImpulses(const TickContacts& found) {
       body->impulse += toBullet(impulse);
       body->angularImpulse += toBullet(point->arm.cross(impulse));
     }
-  for (btMultiBody* multiBody : touched_) apply(*multiBody);
+  for (btMultiBody* multiBody : touched_) apply(*multiBody, found);
 }
 
-void MultiBodyLinks::apply(btMultiBody& multiBody) {
-  const int size = multiBody.getNumDofs() + 6;
-  force_.resize(size), change_.resize(size), jacobian_.resize(size);
-  for (int i = 0; i < size; ++i) force_[i] = 0;
+/// Sets force_ to the impulses of the contacts in the directions of the degrees of freedom. Returns false if
+/// there are none.
+bool MultiBodyLinks::collectImpulses(btMultiBody& multiBody) {
+  force_.assign(sizeOf(multiBody), btScalar(0));
+  std::vector<btScalar> jacobian(force_.size());
   bool any = false;
   for (const auto& body : bodies_) {
     if (body->multiBody != &multiBody || body->unused > 0) continue;
     if (body->impulse.isZero() && body->angularImpulse.isZero()) continue;
     any = true;
     multiBody.fillConstraintJacobianMultiDof(body->link, poseOf(multiBody, body->link).getOrigin(),
-                                             body->angularImpulse, body->impulse, &jacobian_[0], numbers_,
+                                             body->angularImpulse, body->impulse, jacobian.data(), numbers_,
                                              vectors_, matrices_);
-    for (int i = 0; i < size; ++i) force_[i] += jacobian_[i];
+    for (std::size_t i = 0; i < force_.size(); ++i) force_[i] += jacobian[i];
   }
-  if (!any) return;
-  // with a time step of 0 this keeps the velocities, and computes the inertias for the next call
-  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(btScalar(0), numbers_, vectors_, matrices_,
-                                                                 false, false, false);
-  multiBody.calcAccelerationDeltasMultiDof(&force_[0], &change_[0], numbers_, vectors_);
-  multiBody.applyDeltaVeeMultiDof(&change_[0], btScalar(1));
+  return any;
+}
+
+/// Returns the change of the velocities by the impulses in force_.
+MultiBodyLinks::Numbers MultiBodyLinks::changeByImpulses(btMultiBody& multiBody) {
+  Numbers change(force_.size());
+  prepareInertias(multiBody);
+  multiBody.calcAccelerationDeltasMultiDof(force_.data(), change.data(), numbers_, vectors_);
+  return change;
+}
+
+void MultiBodyLinks::apply(btMultiBody& multiBody, const TickContacts& found) {
+  if (!collectImpulses(multiBody)) return;
+  if (isAlone(multiBody)) return applyMotion(multiBody, found);
+  multiBody.applyDeltaVeeMultiDof(changeByImpulses(multiBody).data(), btScalar(1));
+}
+
+/// Gives the multibody the motion of the step, as writeRigidToBullet() does for rigid bodies: the mean
+/// velocities of the tick, from which Bullet integrates the positions after it has added that of forces. The
+/// rest is added by finishMotions().
+void MultiBodyLinks::applyMotion(btMultiBody& multiBody, const TickContacts& found) {
+  for (const Drive& drive : drives_)
+    if (drive.constraint->getMultiBodyA() == &multiBody)
+      force_[static_cast<std::size_t>(drive.column)] +=
+          static_cast<btScalar>(drive.share * found.joints[drive.row].impulse);
+  const Numbers change = changeByImpulses(multiBody), mean = meanVelocities(multiBody, found),
+                before = velocitiesOf(multiBody);
+  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(static_cast<btScalar>(found.tick), numbers_,
+                                                                 vectors_, matrices_, false, false, false);
+  const Numbers byForces = velocitiesOf(multiBody);
+  Motion motion{&multiBody, Numbers(change.size())};
+  Numbers start(change.size());
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    start[i] = before[i] + mean[i] - 2 * byForces[i];
+    motion.rest[i] = byForces[i] + change[i] - mean[i];
+  }
+  multiBody.applyDeltaVeeMultiDof(start.data(), btScalar(1));
+  motions_.push_back(std::move(motion));
+  disableMotors(multiBody, found);
+}
+
+/// Returns the velocities with which Bullet's integration moves the links to where they are after the step.
+MultiBodyLinks::Numbers MultiBodyLinks::meanVelocities(btMultiBody& multiBody, const TickContacts& found) {
+  const auto motionOf = [&](int link) -> Twist {
+    const LinkBody& body = bodyOf(multiBody, link);
+    const std::uint32_t number = found.find(body);
+    if (number == TickContacts::kNone || found.rigids[number].held) return {};
+    const RigidPartner& partner = found.rigids[number];
+    return {partner.turn / found.tick + partner.spinOffset, toEigen(partner.expectedVelocity)};
+  };
+  Numbers mean(sizeOf(multiBody), btScalar(0));
+  const Twist base = motionOf(-1);
+  for (int i = 0; i < 3; ++i) {
+    mean[static_cast<std::size_t>(i)] = static_cast<btScalar>(base.angular[i]);
+    mean[static_cast<std::size_t>(3 + i)] = static_cast<btScalar>(base.linear[i]);
+  }
+  for (int link = 0; link < multiBody.getNumLinks(); ++link) {
+    const btMultibodyLink& joint = multiBody.getLink(link);
+    if (joint.m_dofCount == 0) continue;
+    const LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
+    const Twist own = motionOf(link), carried = motionOf(joint.m_parent);
+    const btMatrix3x3 toOwn = child.getWorldTransform().getBasis().transpose();
+    Vector6d relative;
+    relative << toEigen(toOwn * toBullet(own.angular - carried.angular)),
+        toEigen(toOwn * toBullet(own.linear - carried.linear - carried.angular.cross(armOf(child, parent))));
+    const Eigen::VectorXd rates = ratesOf(joint).transpose() * relative;
+    for (int d = 0; d < joint.m_dofCount; ++d)
+      mean[static_cast<std::size_t>(6 + joint.m_dofOffset + d)] = static_cast<btScalar>(rates[d]);
+  }
+  return mean;
+}
+
+/// Whether nothing but soft bodies, its motors and its limits act on the multibody, as far as is known.
+/// Bullet's solver resolves everything else, from the velocities at the end of the tick.
+bool MultiBodyLinks::isAlone(const btMultiBody& multiBody) const {
+  if (!world_) return false;
+  for (int i = 0; i < world_->getNumMultiBodyConstraints(); ++i) {
+    btMultiBodyConstraint& constraint = *world_->getMultiBodyConstraint(i);
+    const bool isOn = constraint.getMultiBodyA() == &multiBody || constraint.getMultiBodyB() == &multiBody;
+    if (isOn && !isDrive(constraint)) return false;
+  }
+  const auto isOwn = [&](const btCollisionObject* object) {
+    const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
+    return link && link->m_multiBody == &multiBody;
+  };
+  const btDispatcher& dispatcher = *world_->getDispatcher();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    const btPersistentManifold& m = *const_cast<btDispatcher&>(dispatcher).getManifoldByIndexInternal(i);
+    if (m.getNumContacts() > 0 && (isOwn(m.getBody0()) || isOwn(m.getBody1())) && !isSoft(m.getBody0()) &&
+        !isSoft(m.getBody1()))
+      return false;
+  }
+  return true;
+}
+
+/// The step has applied their impulses.
+void MultiBodyLinks::disableMotors(const btMultiBody& multiBody, const TickContacts& found) {
+  for (const Drive& drive : drives_) {
+    if (drive.constraint->getMultiBodyA() != &multiBody) continue;
+    if (!dynamic_cast<btMultiBodyJointMotor*>(drive.constraint)) continue;
+    motors_.push_back({drive.constraint, drive.constraint->getMaxAppliedImpulse(),
+                       static_cast<btScalar>(found.joints[drive.row].impulse)});
+    drive.constraint->setMaxAppliedImpulse(btScalar(0));
+  }
+}
+
+void MultiBodyLinks::finishMotions() {
+  const auto isMotor = [&](const btMultiBodyConstraint* constraint) {
+    for (int i = 0; i < world_->getNumMultiBodyConstraints(); ++i)
+      if (world_->getMultiBodyConstraint(i) == constraint) return true;
+    return false;
+  };
+  const auto isIn = [&](const btMultiBody* multiBody) {
+    for (int i = 0; i < world_->getNumMultibodies(); ++i)
+      if (world_->getMultiBody(i) == multiBody) return true;
+    return false;
+  };
+  for (const Motor& motor : motors_) {
+    if (!isMotor(motor.constraint)) continue;
+    motor.constraint->setMaxAppliedImpulse(motor.maxImpulse);
+    motor.constraint->internalSetAppliedImpulse(0, motor.impulse);
+  }
+  for (const Motion& motion : motions_)
+    if (isIn(motion.multiBody)) motion.multiBody->applyDeltaVeeMultiDof(motion.rest.data(), btScalar(1));
+  motors_.clear();
+  motions_.clear();
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

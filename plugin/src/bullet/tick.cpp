@@ -249,6 +249,7 @@ void SoftBodySystem::Impl::WorldStep::beforeTick(btScalar tick) {
   for (Impl* system : systems) system->hideManifolds();
   // drives are still disabled if afterTick() was not called for the last tick
   enableDrives(*world, disabledDrives);
+  links.finishMotions();
   // a tick of length zero moves nothing and would cause a division by zero
   if (!(tick > btScalar(0))) return;
   divideBodies();
@@ -303,6 +304,7 @@ void SoftBodySystem::Impl::WorldStep::takeAnchors(LinkedGroup& group, double tic
 void SoftBodySystem::Impl::WorldStep::restoreBulletState() {
   restoreBreakingThresholds(*world->getDispatcher());
   enableDrives(*world, disabledDrives);
+  links.finishMotions();
 }
 
 void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {

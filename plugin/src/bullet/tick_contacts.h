@@ -13,6 +13,7 @@
 #include <limber/bullet_precision.h>
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <btBulletDynamicsCommon.h>
 
@@ -237,7 +238,7 @@ bool isHeldLink(const btMultiBodyLinkCollider& collider);
 class MultiBodyLinks {
  public:
   /// Starts a tick.
-  void begin(const btCollisionWorld& world);
+  void begin(btDiscreteDynamicsWorld& world);
 
   /// Returns the rigid body of a link in its present state.
   LinkBody& bodyOf(const btMultiBodyLinkCollider& collider);
@@ -248,19 +249,61 @@ class MultiBodyLinks {
   /// Applies the impulses of the links to their multibodies, after the step.
   void applyImpulses(const TickContacts& found);
 
+  /// Completes them after Bullet's part of the tick.
+  void finishMotions();
+
  private:
+  using Numbers = std::vector<btScalar>;  ///< one per velocity of a multibody
+
+  /// A row of a motor or limit.
+  struct Drive {
+    btMultiBodyConstraint* constraint;
+    int column;       ///< the velocity on which it acts
+    double share;     ///< its factor
+    std::size_t row;  ///< index in TickContacts::joints
+  };
+
+  /// A motor that Bullet's solver must not see.
+  struct Motor {
+    btMultiBodyConstraint* constraint;
+    btScalar maxImpulse, impulse;  ///< N s or N m s: its own limit; what it gave in the step
+  };
+
+  struct Motion {
+    btMultiBody* multiBody;
+    Numbers rest;  ///< added to its velocities after the tick
+  };
+
   LinkBody& bodyOf(btMultiBody& multiBody, int link);
   void addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found);
+  bool findSides(btMultiBody& multiBody, int link, TickContacts& found, JointConstraint& row);
   void addJoint(btMultiBody& multiBody, int link, TickContacts& found);
-  void apply(btMultiBody& multiBody);
+  void addTorques(btMultiBody& multiBody, int link);
+  void addDrives(btMultiBody& multiBody, TickContacts& found);
+  void addDrive(btMultiBody& multiBody, btMultiBodyConstraint& drive, TickContacts& found);
+  void addDriveRow(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
+                   const btScalar* jacobian, TickContacts& found);
+  void prepareInertias(btMultiBody& multiBody);
+  bool collectImpulses(btMultiBody& multiBody);
+  Numbers changeByImpulses(btMultiBody& multiBody);
+  Numbers meanVelocities(btMultiBody& multiBody, const TickContacts& found);
+  bool isAlone(const btMultiBody& multiBody) const;
+  void apply(btMultiBody& multiBody, const TickContacts& found);
+  void applyMotion(btMultiBody& multiBody, const TickContacts& found);
+  void disableMotors(const btMultiBody& multiBody, const TickContacts& found);
 
   std::vector<std::unique_ptr<LinkBody>> bodies_;
   std::vector<btMultiBody*> touched_;  // in this tick
-  int objects_ = 0;                    // in the world
-  btSphereShape none_{btScalar(0)};    // of links that have no shape
+  std::vector<Drive> drives_;          // of these
+  std::vector<Motor> motors_;
+  std::vector<Motion> motions_;
+  btMultiBodyDynamicsWorld* world_ = nullptr;  // if it is one
+  int objects_ = 0;                            // in the world
+  btSphereShape none_{btScalar(0)};            // of links that have no shape
   // scratch of btMultiBody
   btAlignedObjectArray<btVector3> spins_, velocities_, vectors_;
-  btAlignedObjectArray<btScalar> numbers_, jacobian_, force_, change_;
+  btAlignedObjectArray<btScalar> numbers_;
+  Numbers force_;  // N s or N m s
   btAlignedObjectArray<btMatrix3x3> matrices_;
 };
 
