@@ -412,6 +412,7 @@ TEST(MultiBodies, aBaseOnTheFloorUnderACubeStaysStill) {
   EXPECT_NEAR(double(box->getBasePos().y()), 0.2, 0.01);
   EXPECT_LT(double(box->getBaseVel().length()), 0.02);
   EXPECT_NEAR(cube.centerOfMass().y(), 0.92, 0.02);
+  EXPECT_LT(cube.linearMomentum().norm(), 1e-3);
 }
 
 /// Stops at its limit and stays there, whether a soft body or nothing presses it.

@@ -128,6 +128,8 @@ void MultiBodyLinks::begin(btDiscreteDynamicsWorld& world) {
   objects_ = world.getNumCollisionObjects();
   touched_.clear();
   drives_.clear();
+  lastSupported_.swap(supported_);
+  supported_.clear();
   const auto isOld = [](const auto& body) { return ++body->unused > kMaxUnusedTicks; };
   bodies_.erase(std::remove_if(bodies_.begin(), bodies_.end(), isOld), bodies_.end());
 }
@@ -215,6 +217,33 @@ void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touche
   }
   for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(multiBody, link, found);
   if (world_) addDrives(multiBody, found);
+  const auto isThis = [&](const Supported& last) { return last.multiBody == &multiBody; };
+  const auto last = std::find_if(lastSupported_.begin(), lastSupported_.end(), isThis);
+  if (last != lastSupported_.end() && last->start.size() == sizeOf(multiBody) && !isAlone(multiBody))
+    repeatForces(*last, found.tick);
+}
+
+/// Replaces the forces on the links by those of the last tick, with what Bullet's solver added. Otherwise a
+/// robot would fall in the step, and what lies on it, until the solver stops its feet.
+void MultiBodyLinks::repeatForces(const Supported& last, double tick) {
+  btMultiBody& multiBody = *last.multiBody;
+  // for a moment its velocities are their change in the last tick
+  multiBody.applyDeltaVeeMultiDof(last.start.data(), btScalar(-1));
+  spins_.resize(multiBody.getNumLinks() + 1);
+  velocities_.resize(multiBody.getNumLinks() + 1);
+  multiBody.compTreeLinkVelocities(&spins_[0], &velocities_[0]);
+  multiBody.applyDeltaVeeMultiDof(last.start.data(), btScalar(1));
+  const auto perTick = static_cast<btScalar>(1.0 / tick);
+  for (int link = -1; link < multiBody.getNumLinks(); ++link) {
+    LinkBody& body = bodyOf(multiBody, link);
+    const btMatrix3x3& basis = body.getWorldTransform().getBasis();
+    const bool isBase = link < 0;
+    const btScalar mass = isBase ? multiBody.getBaseMass() : multiBody.getLinkMass(link);
+    const btVector3& inertia = isBase ? multiBody.getBaseInertia() : multiBody.getLinkInertia(link);
+    body.clearForces();
+    body.applyCentralForce(basis * velocities_[link + 1] * (mass * perTick));
+    body.applyTorque(basis * (inertia * spins_[link + 1]) * perTick);
+  }
 }
 
 /// Computes the inertias for what follows. With a time step of 0 this keeps the velocities.
@@ -328,9 +357,13 @@ MultiBodyLinks::Numbers MultiBodyLinks::changeByImpulses(btMultiBody& multiBody)
 }
 
 void MultiBodyLinks::apply(btMultiBody& multiBody, const TickContacts& found) {
-  if (!collectImpulses(multiBody)) return;
-  if (isAlone(multiBody)) return applyMotion(multiBody, found);
-  multiBody.applyDeltaVeeMultiDof(changeByImpulses(multiBody).data(), btScalar(1));
+  const bool any = collectImpulses(multiBody);
+  if (isAlone(multiBody)) {
+    if (any) applyMotion(multiBody, found);
+    return;
+  }
+  if (any) multiBody.applyDeltaVeeMultiDof(changeByImpulses(multiBody).data(), btScalar(1));
+  supported_.push_back({&multiBody, velocitiesOf(multiBody)});
 }
 
 /// Gives the multibody the motion of the step, as writeRigidToBullet() does for rigid bodies: the mean

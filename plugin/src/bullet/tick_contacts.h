@@ -274,6 +274,12 @@ class MultiBodyLinks {
     Numbers rest;  ///< added to its velocities after the tick
   };
 
+  /// A multibody on which Bullet's solver acts, too.
+  struct Supported {
+    btMultiBody* multiBody;
+    Numbers start;  ///< its velocities before Bullet's part of the tick
+  };
+
   LinkBody& bodyOf(btMultiBody& multiBody, int link);
   void addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found);
   bool findSides(btMultiBody& multiBody, int link, TickContacts& found, JointConstraint& row);
@@ -288,6 +294,7 @@ class MultiBodyLinks {
   Numbers changeByImpulses(btMultiBody& multiBody);
   Numbers meanVelocities(btMultiBody& multiBody, const TickContacts& found);
   bool isAlone(const btMultiBody& multiBody) const;
+  void repeatForces(const Supported& last, double tick);
   void apply(btMultiBody& multiBody, const TickContacts& found);
   void applyMotion(btMultiBody& multiBody, const TickContacts& found);
   void disableMotors(const btMultiBody& multiBody, const TickContacts& found);
@@ -297,9 +304,10 @@ class MultiBodyLinks {
   std::vector<Drive> drives_;          // of these
   std::vector<Motor> motors_;
   std::vector<Motion> motions_;
-  btMultiBodyDynamicsWorld* world_ = nullptr;  // if it is one
-  int objects_ = 0;                            // in the world
-  btSphereShape none_{btScalar(0)};            // of links that have no shape
+  std::vector<Supported> supported_, lastSupported_;  // in this tick and in the one before
+  btMultiBodyDynamicsWorld* world_ = nullptr;         // if it is one
+  int objects_ = 0;                                   // in the world
+  btSphereShape none_{btScalar(0)};                   // of links that have no shape
   // scratch of btMultiBody
   btAlignedObjectArray<btVector3> spins_, velocities_, vectors_;
   btAlignedObjectArray<btScalar> numbers_;
