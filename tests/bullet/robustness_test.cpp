@@ -272,8 +272,12 @@ TEST(WrongLinks, areRefused) {
   EXPECT_EQ(system.addSpring({body->point(0)}, {theirs->point(0)}).error(), world);
   EXPECT_EQ(far.addSpring({body->point(0)}, {nullptr}).error(), world);
   EXPECT_EQ(far.attach(body, 0, *box).error(), "the soft body is not, or no longer, in this world");
-  EXPECT_EQ(system.addSpring({body->point(0), test::vec(1, 0, 0)}, {body->point(0)}).error(),
+  EXPECT_EQ(system.addSpring({body->point(0)}, {body->point(0)}).error(),
             "both ends of the spring are the same place of one body");
+  EXPECT_EQ(system.addSpring({body->point(0), test::vec(0.5, 0, 0)}, {box}).error(),
+            "the pivot of a spring on a point mass must be 0");
+  EXPECT_EQ(system.addSpring({body->point(0), test::vec(kNan, 0, 0)}, {box}).error(),
+            "a pivot of the spring is not finite, or farther than 1e6");
   EXPECT_EQ(system.addSpring({box, test::vec(kNan, 0, 0)}, {nullptr}).error(),
             "a pivot of the spring is not finite, or farther than 1e6");
   EXPECT_FALSE(system.addSpring({box, test::vec(1e30, 0, 0)}, {nullptr}));

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -219,6 +220,50 @@ TEST(SavedState, sleepYieldAndBreaksAreKept) {
     EXPECT_EQ(fresh.system.body(i)->softening(), old.system.body(i)->softening()) << i;
   }
   EXPECT_LT(fresh.system.body(4)->softening(), 1.0);
+}
+
+/// Returns the contacts of all bodies as text, with the numbers of bodies and objects instead of addresses.
+std::string contactsOf(const Scene& scene) {
+  std::ostringstream text;
+  text.precision(17);
+  const btCollisionObjectArray& objects = scene.bullet.world->getCollisionObjectArray();
+  const auto write = [&](const btVector3& v) { text << v.x() << ' ' << v.y() << ' ' << v.z() << ' '; };
+  for (std::size_t i = 0; i < scene.system.bodyCount(); ++i)
+    for (const SoftContact& c : scene.system.body(i)->contacts()) {
+      text << i << ' ' << objects.findLinearSearch(const_cast<btCollisionObject*>(c.other)) << ' '
+           << (c.otherBody != nullptr) << ' ' << c.side.triangle << ' ' << c.side.weights.transpose() << ' '
+           << c.otherSide.triangle << ' ' << c.otherSide.points[0] << ' ';
+      for (const btVector3& v : {c.position, c.normal, c.impulse, c.frictionImpulse}) write(v);
+      text << c.distance << ' ' << c.normalImpulse << '\n';
+    }
+  return text.str();
+}
+
+TEST(SavedState, contactsAreThoseOfTheSavedTick) {
+  Scene old, fresh;
+  for (int i = 0; i < kLate; ++i) old.tick(i);
+  const Bytes saved = old.system.saveState();
+  const std::string expected = contactsOf(old);
+  EXPECT_GT(std::count(expected.begin(), expected.end(), '\n'), 5);
+  ASSERT_TRUE(fresh.system.restoreState(saved));
+  EXPECT_EQ(contactsOf(fresh), expected);
+  for (int i = 0; i < 20; ++i) old.tick(kLate + i);
+  ASSERT_TRUE(old.system.restoreState(saved));
+  EXPECT_EQ(contactsOf(old), expected);
+}
+
+TEST(SavedState, hasTheForcesOfSprings) {
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), placed(0, 2, 0));
+  SpringConstraint* spring = *system.addSpring({cube->point(0)}, {nullptr, vec(0, 4, 0)});
+  bullet.simulate(0.5);
+  const Bytes saved = system.saveState();
+  const double force = spring->force();
+  EXPECT_NE(force, 0.0);
+  bullet.simulate(0.3);
+  ASSERT_TRUE(system.restoreState(saved));
+  EXPECT_EQ(spring->force(), force);
 }
 
 TEST(SavedState, hasThePlacesOfSpringEndsInTheWorld) {

@@ -222,9 +222,10 @@ class LIMBER_API SoftBody {
   // --- the state of the body
 
   /// Returns the whole state as bytes: settings, positions, velocities, pins, masses, yielded and broken
-  /// springs, sleep, impulses of contacts. From restoreState() on a body of the same network continues as
-  /// this one, to the bit, in a world of the same objects with the same states. Anchors, single springs, and
-  /// forces for the coming step are not part of it. It is also saved of a body that is not alive(), which
+  /// springs, sleep, contacts() and their impulses. From restoreState() on a body of the same network
+  /// continues as this one, to the bit, in a world of the same objects with the same states. Anchors, single
+  /// springs, forces for the coming step, and what you have given single points besides their masses, as
+  /// gravity or friction, are not part of it. It is also saved of a body that is not alive(), which
   /// cannot be restored. Takes about as long as reading all points; the searches for contacts in the next
   /// tick take longer, because it also discards their caches.
   std::vector<std::uint8_t> saveState();

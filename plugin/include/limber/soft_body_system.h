@@ -131,8 +131,9 @@ class LIMBER_API SoftBodySystem {
   SoftBody* body(std::size_t i) const;
 
   /// Adds a spring. Errors: invalid settings, both ends without a body, both ends at the same point of one
-  /// body, a pivot that is not finite or farther than 1e6 m, a surface object, a rigid body or a point
-  /// mass of a soft body in another world. A rigid body in no world may be added to this one later.
+  /// body, a pivot that is not finite or farther than 1e6 m, or not 0 on a point mass, a surface object, a
+  /// rigid body or a point mass of a soft body in another world. A rigid body in no world may be added to
+  /// this one later.
   Result<SpringConstraint*> addSpring(const SpringEnd& a, const SpringEnd& b,
                                       const SpringSettings& settings = {});
   /// Joins two soft bodies where they meet: a spring from each point of `a` to the nearest point of `b`

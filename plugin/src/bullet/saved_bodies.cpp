@@ -33,7 +33,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kSystemFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'Y', '\r', '\n'}, "a saved state of a system", "the saved state", 3, 3};
+    {0x89, 'L', 'I', 'M', 'S', 'Y', '\r', '\n'}, "a saved state of a system", "the saved state", 4, 4};
 constexpr SealedFormat kBodiesFormat = {
     {0x89, 'L', 'I', 'M', 'B', 'D', '\r', '\n'}, "a file of soft bodies", "the file", 2, 2};
 
@@ -42,6 +42,7 @@ constexpr SealedFormat kBodiesFormat = {
 struct SpringState {
   SpringSettings settings;  ///< with a rest length
   bool broken = false;
+  double force = 0.0;                                  ///< N, in the last tick
   Eigen::Vector3d worldEnd = Eigen::Vector3d::Zero();  ///< m, of an end that is fixed in the world
 };
 
@@ -56,6 +57,7 @@ void transferSpring(Stream& stream, Spring& spring) {
   stream.value("action", s.action);
   std::uint8_t broken = spring.broken;
   stream.value("broken", broken);
+  stream.value("force", spring.force);
   for (Eigen::Index i = 0; i < 3; ++i) stream.value("place of a spring's end", spring.worldEnd[i]);
   if constexpr (!std::is_const_v<Spring>) {
     s.restLength = restLength;
@@ -75,13 +77,14 @@ void transferSystem(Stream& stream, State& state) {
   stream.value("time", state.time);
   stream.resize("bodies", state.bodies, sizeof(std::uint64_t));
   for (auto& body : state.bodies) stream.array("bytes of a body", body);
-  stream.resize("springs", state.springs, 7 * sizeof(double));
+  stream.resize("springs", state.springs, 8 * sizeof(double));
   for (auto& spring : state.springs) transferSpring(stream, spring);
 }
 
 /// Returns why a spring's state is not valid, or an empty string.
 std::string checkSpring(const SpringState& spring) {
   if (Result<void> valid = validate(spring.settings); !valid) return valid.error();
+  if (!(std::abs(spring.force) <= kMaxSound)) return "its force is not finite";
   if (!(spring.worldEnd.squaredNorm() <= 1e12)) return "its end is not finite, or farther than 1e6 m";
   return {};
 }
@@ -107,7 +110,7 @@ Bytes SoftBodySystem::saveState() {
   state.time = impl_->surroundings.time;
   for (const auto& body : impl_->bodies) state.bodies.push_back(saveStateOf(*body->data_));
   for (const SpringConstraint* spring : impl_->savedSprings()) {
-    SpringState saved{spring->settings(), spring->broken(), Eigen::Vector3d::Zero()};
+    SpringState saved{spring->settings(), spring->broken(), spring->force(), Eigen::Vector3d::Zero()};
     for (const SpringEnd* end : {&spring->a_, &spring->b_})
       if (!end->body) saved.worldEnd = toEigen(end->pivot);
     state.springs.push_back(saved);
@@ -140,6 +143,7 @@ Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
   for (std::size_t i = 0; i < state.springs.size(); ++i) {
     springs[i]->settings_ = state.springs[i].settings;
     springs[i]->broken_ = state.springs[i].broken;
+    springs[i]->force_ = state.springs[i].force;
     springs[i]->target_.reset();
     for (SpringEnd* end : {&springs[i]->a_, &springs[i]->b_})
       if (!end->body) end->pivot = toBullet(state.springs[i].worldEnd);

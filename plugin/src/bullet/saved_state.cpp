@@ -7,6 +7,7 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
+#include "bullet/contact_report.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_masses.h"
 #include "bullet/soft_body_data.h"
@@ -20,6 +21,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -35,7 +37,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 5, 5};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 6, 6};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -161,8 +163,12 @@ struct BodyState {
   Eigen::Vector3d jointLinear = Eigen::Vector3d::Zero(), jointAngular = Eigen::Vector3d::Zero();
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
   std::vector<double> otherForces;                     ///< 3, N/kg, BodyMedium::others, or empty
-  std::vector<std::uint64_t> touched, key;  ///< #impulses: index in the world of the partner, features
-  std::vector<double> impulse;              ///< 4 x #impulses, N s
+  std::vector<std::uint64_t> touched, key;     ///< #impulses: index in the world of the partner, features
+  std::vector<double> impulse;                 ///< 4 x #impulses, N s
+  std::vector<std::uint64_t> other;            ///< #contacts(), index in the world of the other object
+  std::vector<std::uint32_t> sides;            ///< 8 x #contacts(), two sides' triangle and points
+  std::vector<double> contact;                 ///< 20 x #contacts(), see numbersOf()
+  std::uint64_t planeCount = 0, ownCount = 0;  ///< see ContactReport
 };
 
 template <class Stream, class Rates>
@@ -210,6 +216,11 @@ void transferState(Stream& stream, State& s) {
   stream.array("touched objects", s.touched);
   stream.array("touched features", s.key);
   stream.array("impulses", s.impulse);
+  stream.array("objects in contact", s.other);
+  stream.array("sides of contacts", s.sides);
+  stream.array("contacts", s.contact);
+  stream.value("contacts", s.planeCount);
+  stream.value("contacts", s.ownCount);
 }
 
 /// Returns a hash of the points and springs of a network.
@@ -299,6 +310,37 @@ void saveImpulses(const SoftBodyData& body, BodyState& s) {
   }
 }
 
+constexpr std::size_t kContactNumbers = 20, kSideNumbers = 8;
+
+/// Calls visit(number) for each floating-point number of a contact.
+template <class Contact, class Visit>
+void forEachNumber(Contact& c, Visit visit) {
+  for (auto* vector : {&c.position, &c.normal, &c.impulse, &c.frictionImpulse})
+    for (int i = 0; i < 3; ++i) visit((*vector)[i]);
+  for (auto* number : {&c.distance, &c.normalImpulse}) visit(*number);
+  for (auto* side : {&c.side, &c.otherSide})
+    for (int i = 0; i < 3; ++i) visit(side->weights[i]);
+}
+
+/// Contacts with objects that have left the world are left out.
+void saveContacts(SoftBodyData& body, BodyState& s) {
+  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
+  const std::vector<SoftContact>& contacts = readReport(body);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const SoftContact& c = contacts[i];
+    const int index = objects.findLinearSearch(const_cast<btCollisionObject*>(c.other));
+    if (index >= objects.size()) continue;
+    s.other.push_back(static_cast<std::uint64_t>(index));
+    for (const ContactSide* side : {&c.side, &c.otherSide}) {
+      s.sides.push_back(side->triangle);
+      s.sides.insert(s.sides.end(), side->points.begin(), side->points.end());
+    }
+    forEachNumber(c, [&](double number) { s.contact.push_back(number); });
+    s.planeCount += i < body.report.planeCount ? 1 : 0;
+    s.ownCount += i < body.report.ownCount ? 1 : 0;
+  }
+}
+
 BodyState stateOf(SoftBodyData& body) {
   readFromBullet(body);
   BodyState s;
@@ -306,7 +348,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.settings = body.settings;
   savePoints(body, s);
   saveSprings(body, s);
-  if (isAlive(body)) saveImpulses(body, s);
+  if (isAlive(body)) saveImpulses(body, s), saveContacts(body, s);
   s.frame = body.surface.frame;
   s.jointLinear = body.surface.joints.linear;
   s.jointAngular = body.surface.joints.angular;
@@ -339,10 +381,12 @@ std::string checkState(const SoftBodyData& body, const BodyState& s) {
       (!s.softenedMass.empty() && s.softenedMass.size() != 3 * n) ||
       (!s.startVelocity.empty() && s.startVelocity.size() != 3 * n) ||
       (!s.otherForces.empty() && s.otherForces.size() != 3) || s.touched.size() != s.key.size() ||
-      4 * s.touched.size() != s.impulse.size())
+      4 * s.touched.size() != s.impulse.size() || kSideNumbers * s.other.size() != s.sides.size() ||
+      kContactNumbers * s.other.size() != s.contact.size())
     return "the saved state has arrays of different sizes";
-  for (const auto* array : {&s.position, &s.velocity, &s.startPosition, &s.pinTarget, &s.mass,
-                            &s.yieldedLength, &s.softenedMass, &s.impulse, &s.startVelocity, &s.otherForces})
+  for (const auto* array :
+       {&s.position, &s.velocity, &s.startPosition, &s.pinTarget, &s.mass, &s.yieldedLength, &s.softenedMass,
+        &s.impulse, &s.startVelocity, &s.otherForces, &s.contact})
     for (const double number : *array)
       if (!(std::abs(number) <= kMaxSound)) return "the saved state has a number that is not finite";
   if (!(s.jointLinear.norm() <= kMaxSound && s.jointAngular.norm() <= kMaxSound))
@@ -404,6 +448,45 @@ void restoreImpulses(SoftBodyData& body, const BodyState& s) {
   sortImpulses(body.storedImpulses);
 }
 
+/// Returns whether the contact's sides are in this body and in the other one.
+bool hasValidSides(const SoftBodyData& body, const SoftContact& c) {
+  const auto isValid = [](const SoftBodyData* of, const ContactSide& side) {
+    if (!of) return side.weights.isZero(0.0);
+    const auto isPoint = [&](std::uint32_t i) { return i < pointCount(*of); };
+    return (side.triangle == ContactSide::kNone || side.triangle < of->model->network->surface.size()) &&
+           std::all_of(side.points.begin(), side.points.end(), isPoint);
+  };
+  return isValid(&body, c.side) && isValid(c.otherBody ? &dataOf(*c.otherBody) : nullptr, c.otherSide);
+}
+
+void restoreContacts(SoftBodyData& body, const BodyState& s) {
+  ContactReport& report = body.report;
+  report = ContactReport();
+  report.hasTriangles = true;
+  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
+  for (std::size_t i = 0; i < s.other.size(); ++i) {
+    if (s.other[i] >= static_cast<std::uint64_t>(objects.size())) continue;
+    SoftContact c;
+    c.body = body.handle;
+    c.other = objects[static_cast<int>(s.other[i])];
+    if (!c.other->getBroadphaseHandle()) continue;
+    c.otherBody = findPoint(c.other).body ? findPoint(c.other).body : findSurface(c.other).body;
+    const std::uint32_t* at = s.sides.data() + kSideNumbers * i;
+    for (ContactSide* side : {&c.side, &c.otherSide}) {
+      side->triangle = *at++;
+      for (std::uint32_t& point : side->points) point = *at++;
+    }
+    const double* number = s.contact.data() + kContactNumbers * i;
+    forEachNumber(
+        c, [&](auto& value) { value = static_cast<std::remove_reference_t<decltype(value)>>(*number++); });
+    if (!hasValidSides(body, c)) continue;
+    report.contacts.push_back(c);
+    report.partners.push_back(handleOf(*c.other));
+    report.planeCount += i < s.planeCount ? 1 : 0;
+    report.ownCount += i < s.ownCount ? 1 : 0;
+  }
+}
+
 void restoreFrom(SoftBodyData& body, const BodyState& s) {
   forgetMotion(body);
   wakeBody(body, false);
@@ -438,6 +521,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.surface.frame = s.frame;
   body.surface.overlapTicks = s.overlapTicks;
   if (s.asleep) putToSleep(body);
+  restoreContacts(body, s);
 }
 
 Result<BodyState> readState(const Bytes& bytes) {

@@ -222,8 +222,9 @@ Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const Sp
   for (const SpringEnd& end : {a, b}) {
     if (std::string reason = whyNotHeld(end.body, *impl_->world, impl_->step.get()); !reason.empty())
       return Error{reason};
-    if (!PointMass::from(end.body) && !isValidPivot(end.pivot))
-      return Error{"a pivot of the spring is not finite, or farther than 1e6"};
+    if (!isValidPivot(end.pivot)) return Error{"a pivot of the spring is not finite, or farther than 1e6"};
+    if (PointMass::from(end.body) && !end.pivot.isZero())
+      return Error{"the pivot of a spring on a point mass must be 0"};
   }
   if (a.body == b.body && (PointMass::from(a.body) || (a.pivot - b.pivot).length2() == btScalar(0)))
     return Error{"both ends of the spring are the same place of one body"};
