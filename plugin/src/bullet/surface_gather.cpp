@@ -240,7 +240,7 @@ void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
   if (isSelf(m))
     findSelfContacts(a, margin(m), s.search, s.contacts);
   else
-    findSurfaceContacts(a, b, margin(m), s.search, s.contacts);
+    findSurfaceContacts(a, b, margin(m), s.search, s.contacts, m.held != nullptr);
 }
 
 /// Has both bodies tested on while there is an overlap.

@@ -80,8 +80,10 @@ struct ContactSearch {
 /// A surface without triangles that is more than twice as thick as the other is round: a ball or a capsule.
 /// Where vertices are closer together than its radius, it collides with all of them that approach it, not
 /// only with the nearest.
+///
+/// `covered`: without the contacts of a's vertices, which others find.
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
-                         std::vector<SurfaceContact>& found);
+                         std::vector<SurfaceContact>& found, bool covered = false);
 
 /// Finds contacts that separate two closed surfaces which have been placed into each other, however deep,
 /// along one direction: one for each vertex that is deeper inside than both radii. Returns false, and finds
