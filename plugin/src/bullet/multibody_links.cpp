@@ -90,10 +90,6 @@ JointConstraint rowAlong(const Twist& direction, const Vector3d& arm) {
   return row;
 }
 
-}  // namespace
-
-namespace {
-
 /// Returns the vector (m) from the parent's centre of mass to the child's.
 Vector3d armOf(const LinkBody& child, const LinkBody& parent) {
   return toEigen(child.getCenterOfMassPosition()) - toEigen(parent.getCenterOfMassPosition());
@@ -219,7 +215,7 @@ void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touche
   if (world_) addDrives(multiBody, found);
   const auto isThis = [&](const Supported& last) { return last.multiBody == &multiBody; };
   const auto last = std::find_if(lastSupported_.begin(), lastSupported_.end(), isThis);
-  if (last != lastSupported_.end() && last->start.size() == sizeOf(multiBody) && !isAlone(multiBody))
+  if (last != lastSupported_.end() && last->change.size() == sizeOf(multiBody) && !isAlone(multiBody))
     repeatForces(*last, found.tick);
 }
 
@@ -227,12 +223,15 @@ void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touche
 /// robot would fall in the step, and what lies on it, until the solver stops its feet.
 void MultiBodyLinks::repeatForces(const Supported& last, double tick) {
   btMultiBody& multiBody = *last.multiBody;
+  const Numbers present = velocitiesOf(multiBody);
   // for a moment its velocities are their change in the last tick
-  multiBody.applyDeltaVeeMultiDof(last.start.data(), btScalar(-1));
+  multiBody.applyDeltaVeeMultiDof(present.data(), btScalar(-1));
+  multiBody.applyDeltaVeeMultiDof(last.change.data(), btScalar(1));
   spins_.resize(multiBody.getNumLinks() + 1);
   velocities_.resize(multiBody.getNumLinks() + 1);
   multiBody.compTreeLinkVelocities(&spins_[0], &velocities_[0]);
-  multiBody.applyDeltaVeeMultiDof(last.start.data(), btScalar(1));
+  multiBody.applyDeltaVeeMultiDof(velocitiesOf(multiBody).data(), btScalar(-1));
+  multiBody.applyDeltaVeeMultiDof(present.data(), btScalar(1));
   const auto perTick = static_cast<btScalar>(1.0 / tick);
   for (int link = -1; link < multiBody.getNumLinks(); ++link) {
     LinkBody& body = bodyOf(multiBody, link);
@@ -363,7 +362,7 @@ void MultiBodyLinks::apply(btMultiBody& multiBody, const TickContacts& found) {
     return;
   }
   if (any) multiBody.applyDeltaVeeMultiDof(changeByImpulses(multiBody).data(), btScalar(1));
-  supported_.push_back({&multiBody, velocitiesOf(multiBody)});
+  if (world_) supported_.push_back({&multiBody, velocitiesOf(multiBody), {}});
 }
 
 /// Gives the multibody the motion of the step, as writeRigidToBullet() does for rigid bodies: the mean
@@ -475,6 +474,12 @@ void MultiBodyLinks::finishMotions() {
     if (isIn(motion.multiBody)) motion.multiBody->applyDeltaVeeMultiDof(motion.rest.data(), btScalar(1));
   motors_.clear();
   motions_.clear();
+  for (Supported& supported : supported_) {
+    if (!isIn(supported.multiBody) || supported.start.size() != sizeOf(*supported.multiBody)) continue;
+    supported.change = velocitiesOf(*supported.multiBody);
+    for (std::size_t i = 0; i < supported.start.size(); ++i) supported.change[i] -= supported.start[i];
+    supported.start.clear();
+  }
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -277,7 +277,7 @@ class MultiBodyLinks {
   /// A multibody on which Bullet's solver acts, too.
   struct Supported {
     btMultiBody* multiBody;
-    Numbers start;  ///< its velocities before Bullet's part of the tick
+    Numbers start, change;  ///< its velocities before Bullet's part of the tick, and what that has added
   };
 
   LinkBody& bodyOf(btMultiBody& multiBody, int link);
