@@ -156,22 +156,34 @@ void addEnds(const btMultiSphereShape& shape, std::vector<btVector3>& corners) {
       }
 }
 
+/// Angles (degrees) of directions above the equator. Those of multi-spheres, whose profile may be any, are
+/// even. Cylinders and cones only have rims, rounded by their margin, and caps: the first and the last
+/// direction find the side and the cap, others divide the rim.
+constexpr double kAnyProfile[] = {0, 10.6, 21.2, 31.8, 42.4, 52.9, 63.5, 74.1, 84.7};
+constexpr double kRims[] = {0.5, 22.5, 45, 67.5, 89.5};
+
 /// Takes the shape's supporting vertices in directions on circles around the axis. Every rim of a round shape
 /// gets kCornersAround of them.
 ShapeSurface roundSurface(const btConvexShape& shape, int axis) {
   std::vector<btVector3> corners;
-  if (shape.getShapeType() == MULTI_SPHERE_SHAPE_PROXYTYPE)
-    addEnds(static_cast<const btMultiSphereShape&>(shape), corners);
-  for (int ring = -8; ring <= 8; ++ring)
+  const auto addRing = [&](double degrees) {
+    const double height = degrees * double(SIMD_RADS_PER_DEG);
     for (int i = 0; i < kCornersAround; ++i) {
-      const double height = ring * double(SIMD_HALF_PI) / 8.5,
-                   angle = 2.0 * double(SIMD_PI) * i / kCornersAround;
+      const double angle = 2.0 * double(SIMD_PI) * i / kCornersAround;
       btVector3 direction(0, 0, 0);
       direction[axis] = static_cast<btScalar>(std::sin(height));
       direction[(axis + 1) % 3] = static_cast<btScalar>(std::cos(height) * std::cos(angle));
       direction[(axis + 2) % 3] = static_cast<btScalar>(std::cos(height) * std::sin(angle));
       corners.push_back(shape.localGetSupportingVertex(direction));
     }
+  };
+  const auto addRings = [&](const auto& above) {
+    for (const double degrees : above) addRing(-degrees), addRing(degrees);
+  };
+  if (shape.getShapeType() == MULTI_SPHERE_SHAPE_PROXYTYPE)
+    addEnds(static_cast<const btMultiSphereShape&>(shape), corners), addRings(kAnyProfile);
+  else
+    addRings(kRims);
   return hullOf(corners, 0.0);
 }
 
