@@ -112,11 +112,19 @@ bool isDrive(const btMultiBodyConstraint& constraint) {
 
 }  // namespace
 
-bool isHeldLink(const btMultiBodyLinkCollider& collider) {
-  const btMultiBody& m = *collider.m_multiBody;
-  for (int link = collider.m_link; link >= 0; link = m.getLink(link).m_parent)
+namespace {
+
+/// Whether the link cannot move.
+bool isHeld(const btMultiBody& m, int link) {
+  for (; link >= 0; link = m.getLink(link).m_parent)
     if (m.getLink(link).m_dofCount > 0) return false;
   return m.hasFixedBase();
+}
+
+}  // namespace
+
+bool isHeldLink(const btMultiBodyLinkCollider& collider) {
+  return isHeld(*collider.m_multiBody, collider.m_link);
 }
 
 void MultiBodyLinks::begin(btDiscreteDynamicsWorld& world) {
@@ -212,15 +220,30 @@ void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touche
     body.forceActivationState(touched.getActivationState());
   }
   for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(multiBody, link, found);
-  if (world_) addDrives(multiBody, found);
+  if (!world_) return;
+  const bool alone = isAlone(multiBody);
+  if (!alone) supported_.push_back({&multiBody, forcesOn(multiBody), {}, {}});
   const auto isThis = [&](const Supported& last) { return last.multiBody == &multiBody; };
   const auto last = std::find_if(lastSupported_.begin(), lastSupported_.end(), isThis);
-  if (last != lastSupported_.end() && last->change.size() == sizeOf(multiBody) && !isAlone(multiBody))
-    repeatForces(*last, found.tick);
+  if (!alone && last != lastSupported_.end() && last->change.size() == sizeOf(multiBody))
+    repeatForces(*last, found.tick);  // those of drives, too
+  else
+    addDrives(multiBody, found);
 }
 
-/// Replaces the forces on the links by those of the last tick, with what Bullet's solver added. Otherwise a
-/// robot would fall in the step, and what lies on it, until the solver stops its feet.
+/// Returns the forces (N) and torques (N m) on its links.
+std::vector<btVector3> MultiBodyLinks::forcesOn(btMultiBody& multiBody) {
+  std::vector<btVector3> forces;
+  for (int link = -1; link < multiBody.getNumLinks(); ++link) {
+    const LinkBody& body = bodyOf(multiBody, link);
+    forces.push_back(body.getTotalForce());
+    forces.push_back(body.getTotalTorque());
+  }
+  return forces;
+}
+
+/// Adds what Bullet's solver added to the forces of the last tick. Otherwise a robot would fall in the step,
+/// and what lies on it, until the solver stops its feet.
 void MultiBodyLinks::repeatForces(const Supported& last, double tick) {
   btMultiBody& multiBody = *last.multiBody;
   const Numbers present = velocitiesOf(multiBody);
@@ -233,15 +256,15 @@ void MultiBodyLinks::repeatForces(const Supported& last, double tick) {
   multiBody.applyDeltaVeeMultiDof(velocitiesOf(multiBody).data(), btScalar(-1));
   multiBody.applyDeltaVeeMultiDof(present.data(), btScalar(1));
   const auto perTick = static_cast<btScalar>(1.0 / tick);
+  const btVector3* before = last.forces.data();
   for (int link = -1; link < multiBody.getNumLinks(); ++link) {
     LinkBody& body = bodyOf(multiBody, link);
     const btMatrix3x3& basis = body.getWorldTransform().getBasis();
     const bool isBase = link < 0;
     const btScalar mass = isBase ? multiBody.getBaseMass() : multiBody.getLinkMass(link);
     const btVector3& inertia = isBase ? multiBody.getBaseInertia() : multiBody.getLinkInertia(link);
-    body.clearForces();
-    body.applyCentralForce(basis * velocities_[link + 1] * (mass * perTick));
-    body.applyTorque(basis * (inertia * spins_[link + 1]) * perTick);
+    body.applyCentralForce(basis * velocities_[link + 1] * (mass * perTick) - *before++);
+    body.applyTorque(basis * (inertia * spins_[link + 1]) * perTick - *before++);
   }
 }
 
@@ -362,7 +385,8 @@ void MultiBodyLinks::apply(btMultiBody& multiBody, const TickContacts& found) {
     return;
   }
   if (any) multiBody.applyDeltaVeeMultiDof(changeByImpulses(multiBody).data(), btScalar(1));
-  if (world_) supported_.push_back({&multiBody, velocitiesOf(multiBody), {}});
+  for (Supported& supported : supported_)
+    if (supported.multiBody == &multiBody) supported.start = velocitiesOf(multiBody);
 }
 
 /// Gives the multibody the motion of the step, as writeRigidToBullet() does for rigid bodies: the mean
@@ -378,11 +402,13 @@ void MultiBodyLinks::applyMotion(btMultiBody& multiBody, const TickContacts& fou
   multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(static_cast<btScalar>(found.tick), numbers_,
                                                                  vectors_, matrices_, false, false, false);
   const Numbers byForces = velocitiesOf(multiBody);
-  Motion motion{&multiBody, Numbers(change.size())};
+  Motion motion{&multiBody, static_cast<btScalar>(found.tick), Numbers(change.size()),
+                Numbers(change.size())};
   Numbers start(change.size());
   for (std::size_t i = 0; i < change.size(); ++i) {
     start[i] = before[i] + mean[i] - 2 * byForces[i];
     motion.rest[i] = byForces[i] + change[i] - mean[i];
+    motion.byForces[i] = byForces[i] - before[i];
   }
   multiBody.applyDeltaVeeMultiDof(start.data(), btScalar(1));
   motions_.push_back(std::move(motion));
@@ -424,20 +450,21 @@ MultiBodyLinks::Numbers MultiBodyLinks::meanVelocities(btMultiBody& multiBody, c
 /// Bullet's solver resolves everything else, from the velocities at the end of the tick.
 bool MultiBodyLinks::isAlone(const btMultiBody& multiBody) const {
   if (!world_) return false;
+  const auto isMoved = [&](const btMultiBody* m, int link) { return m == &multiBody && !isHeld(*m, link); };
   for (int i = 0; i < world_->getNumMultiBodyConstraints(); ++i) {
-    btMultiBodyConstraint& constraint = *world_->getMultiBodyConstraint(i);
-    const bool isOn = constraint.getMultiBodyA() == &multiBody || constraint.getMultiBodyB() == &multiBody;
-    if (isOn && !isDrive(constraint)) return false;
+    btMultiBodyConstraint& c = *world_->getMultiBodyConstraint(i);
+    if (isDrive(c)) continue;
+    if (isMoved(c.getMultiBodyA(), c.getLinkA()) || isMoved(c.getMultiBodyB(), c.getLinkB())) return false;
   }
-  const auto isOwn = [&](const btCollisionObject* object) {
+  const auto isMovedLink = [&](const btCollisionObject* object) {
     const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
-    return link && link->m_multiBody == &multiBody;
+    return link && isMoved(link->m_multiBody, link->m_link);
   };
-  const btDispatcher& dispatcher = *world_->getDispatcher();
+  btDispatcher& dispatcher = *world_->getDispatcher();
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& m = *const_cast<btDispatcher&>(dispatcher).getManifoldByIndexInternal(i);
-    if (m.getNumContacts() > 0 && (isOwn(m.getBody0()) || isOwn(m.getBody1())) && !isSoft(m.getBody0()) &&
-        !isSoft(m.getBody1()))
+    const btPersistentManifold& m = *dispatcher.getManifoldByIndexInternal(i);
+    if (m.getNumContacts() > 0 && (isMovedLink(m.getBody0()) || isMovedLink(m.getBody1())) &&
+        !isSoft(m.getBody0()) && !isSoft(m.getBody1()))
       return false;
   }
   return true;
@@ -452,6 +479,21 @@ void MultiBodyLinks::disableMotors(const btMultiBody& multiBody, const TickConta
                        static_cast<btScalar>(found.joints[drive.row].impulse)});
     drive.constraint->setMaxAppliedImpulse(btScalar(0));
   }
+}
+
+/// Adds the rest of the velocities. Those by forces are the mean of what they are at both ends of the tick,
+/// as in velocity Verlet: with those of its start alone, swinging links would gain energy.
+void MultiBodyLinks::finish(const Motion& motion) {
+  btMultiBody& multiBody = *motion.multiBody;
+  multiBody.applyDeltaVeeMultiDof(motion.rest.data(), btScalar(1));
+  const Numbers before = velocitiesOf(multiBody);
+  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(motion.tick, numbers_, vectors_, matrices_,
+                                                                 false, false, false);
+  const Numbers after = velocitiesOf(multiBody);
+  Numbers correction(before.size());
+  for (std::size_t i = 0; i < before.size(); ++i)
+    correction[i] = before[i] - after[i] + btScalar(0.5) * (after[i] - before[i] - motion.byForces[i]);
+  multiBody.applyDeltaVeeMultiDof(correction.data(), btScalar(1));
 }
 
 void MultiBodyLinks::finishMotions() {
@@ -471,7 +513,7 @@ void MultiBodyLinks::finishMotions() {
     motor.constraint->internalSetAppliedImpulse(0, motor.impulse);
   }
   for (const Motion& motion : motions_)
-    if (isIn(motion.multiBody)) motion.multiBody->applyDeltaVeeMultiDof(motion.rest.data(), btScalar(1));
+    if (isIn(motion.multiBody)) finish(motion);
   motors_.clear();
   motions_.clear();
   for (Supported& supported : supported_) {

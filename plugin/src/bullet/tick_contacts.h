@@ -271,12 +271,15 @@ class MultiBodyLinks {
 
   struct Motion {
     btMultiBody* multiBody;
-    Numbers rest;  ///< added to its velocities after the tick
+    btScalar tick;     ///< s
+    Numbers rest;      ///< added to its velocities after the tick
+    Numbers byForces;  ///< in `rest`: what the forces at its start have added in the tick
   };
 
   /// A multibody on which Bullet's solver acts, too.
   struct Supported {
     btMultiBody* multiBody;
+    std::vector<btVector3> forces;  ///< N, N m: on each link, before Bullet's solver
     Numbers start, change;  ///< its velocities before Bullet's part of the tick, and what that has added
   };
 
@@ -294,7 +297,9 @@ class MultiBodyLinks {
   Numbers changeByImpulses(btMultiBody& multiBody);
   Numbers meanVelocities(btMultiBody& multiBody, const TickContacts& found);
   bool isAlone(const btMultiBody& multiBody) const;
+  std::vector<btVector3> forcesOn(btMultiBody& multiBody);
   void repeatForces(const Supported& last, double tick);
+  void finish(const Motion& motion);
   void apply(btMultiBody& multiBody, const TickContacts& found);
   void applyMotion(btMultiBody& multiBody, const TickContacts& found);
   void disableMotors(const btMultiBody& multiBody, const TickContacts& found);
