@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <mutex>
 #include <optional>
 
@@ -231,16 +232,34 @@ bool isNearEdge(const HeldPiece& t, int edge, const Vector3d& x, double searchRe
   return (nearest - x).squaredNorm() < searchRegion * searchRegion;
 }
 
-bool hasEdge(const HeldPiece& t, const Vector3d& from, const Vector3d& to) {
-  for (int i = 0; i < 3; ++i) {
-    const auto a = t.axes.col(i), b = t.axes.col((i + 1) % 3);
-    if ((a == from && b == to) || (a == to && b == from)) return true;
+/// Returns a hash of an edge, the same in both directions.
+std::uint64_t edgeKey(const Vector3d& from, const Vector3d& to) {
+  std::uint64_t key = 0;
+  for (const Vector3d* end : {&from, &to}) {
+    std::uint64_t hash = 0;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double number = (*end)[i] + 0.0;  // of two zeros one
+      std::uint64_t bits;
+      std::memcpy(&bits, &number, sizeof bits);
+      hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    key += hash * 0xbf58476d1ce4e5b9u;
   }
-  return false;
+  return key;
 }
 
-/// Returns whether the triangles lie in one plane and leave no gap around the foot of x.
-bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double searchRegion) {
+void listEdges(const HeldPiece* begin, const HeldPiece* end, std::vector<std::uint64_t>& keys) {
+  keys.clear();
+  for (const HeldPiece* t = begin; t != end; ++t)
+    for (int edge = 0; edge < 3; ++edge)
+      keys.push_back(edgeKey(t->axes.col(edge), t->axes.col((edge + 1) % 3)));
+  std::sort(keys.begin(), keys.end());
+}
+
+/// Returns whether the triangles lie in one plane and leave no gap around the foot of x. `keys` is scratch.
+bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double searchRegion,
+                      std::vector<std::uint64_t>& keys) {
   constexpr double kFlatTolerance = 1e-7;  // m, and 1 - cosine
   const Vector3d normal = begin->center, foot = x - normal.dot(x - begin->axes.col(0)) * normal;
   bool isAbove = false;
@@ -250,14 +269,17 @@ bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector
     if (oneMinusCosine > kFlatTolerance || std::abs(distance) > kFlatTolerance) return false;
     const Vector3d weights = nearestBarycentric({t->axes.col(0), t->axes.col(1), t->axes.col(2)}, foot);
     isAbove = isAbove || (t->axes * weights - foot).squaredNorm() < kFlatTolerance * kFlatTolerance;
+  }
+  if (!isAbove) return false;
+  listEdges(begin, end, keys);
+  for (const HeldPiece* t = begin; t != end; ++t)
     for (int edge = 0; edge < 3; ++edge) {
       if (!isNearEdge(*t, edge, foot, searchRegion)) continue;
-      const Vector3d from = t->axes.col(edge), to = t->axes.col((edge + 1) % 3);
-      const auto shares = [&](const HeldPiece& other) { return &other != t && hasEdge(other, from, to); };
-      if (std::none_of(begin, end, shares)) return false;
+      const std::uint64_t key = edgeKey(t->axes.col(edge), t->axes.col((edge + 1) % 3));
+      const auto [first, last] = std::equal_range(keys.begin(), keys.end(), key);
+      if (last - first < 2) return false;  // no other triangle has it
     }
-  }
-  return isAbove;
+  return true;
 }
 
 }  // namespace
@@ -274,11 +296,11 @@ std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox
 }
 
 bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Vector3d& x, double radius,
-                   double searchRegion) {
+                   double searchRegion, std::vector<std::uint64_t>& keys) {
   for (const HeldPiece *first = begin, *next = begin; first != end; first = next) {
     if (first->kind == Kind::Sheet) {
       while (next != end && next->kind == Kind::Sheet && next->owner == first->owner) ++next;
-      if (!areFlatTriangles(first, next, x, radius + searchRegion)) return false;
+      if (!areFlatTriangles(first, next, x, radius + searchRegion, keys)) return false;
       continue;
     }
     next = endOfSolid(first, end);
@@ -378,24 +400,39 @@ bool staysCloseToRound(const MovingSurface& soft, const SurfaceContact& c, doubl
 
 }  // namespace
 
-bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part) {
+namespace {
+
+/// Returns whether all edges sink into a round surface of this radius (m) by little between their corners.
+bool staysCloseToRound(const MovingSurface& soft, double radius) {
+  const double maxSquared = maxEdgeSquared(soft, radius);
+  const auto& edges = soft.topology->edges;
+  return std::all_of(edges.begin(), edges.end(), [&](const Edge& e) {
+    return (soft.position->col(e[1]) - soft.position->col(e[0])).squaredNorm() <= maxSquared;
+  });
+}
+
+}  // namespace
+
+bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part) {
+  return part.surface->topology.triangles.empty() && staysCloseToRound(soft, part.surface->radius);
+}
+
+Covered coveredFeatures(const MovingSurface& soft, const RigidPart& part) {
+  const double radius = part.surface->sideRadius;
+  const bool hasRoundSide = radius > 0.0 && staysCloseToRound(soft, radius);
+  return {true, hasRoundSide ? &part.surface->sideEdges : nullptr};
+}
+
+bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part, const Covered& covered) {
   const SurfaceTopology& t = part.surface->topology;
   if (t.edges.empty()) return true;
   for (const std::uint32_t e : part.surface->sharpEdges) {
+    if (covered.edges && (*covered.edges)[e]) continue;
     const Edge& edge = t.edges[e];
     const SweptBox edgeBox = merged(part.boxes.points[edge[0]], part.boxes.points[edge[1]]);
     if (separation(box, edgeBox) <= 0.0) return true;
   }
   return false;
-}
-
-bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part) {
-  if (!part.surface->topology.triangles.empty()) return false;
-  const double maxSquared = maxEdgeSquared(soft, part.surface->radius);
-  const auto& edges = soft.topology->edges;
-  return std::all_of(edges.begin(), edges.end(), [&](const Edge& e) {
-    return (soft.position->col(e[1]) - soft.position->col(e[0])).squaredNorm() <= maxSquared;
-  });
 }
 
 namespace {

@@ -448,7 +448,8 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
   HeldPiece *first = range.first(body), *last = range.last(body);
   if (first == last) return;
   chooseSides(body, i, first, last);
-  if (!areFlatAround(first, last, body.state.position.col(i), radiusOf(body), searchRegion.distance))
+  if (!areFlatAround(first, last, body.state.position.col(i), radiusOf(body), searchRegion.distance,
+                     body.held.edgeKeys))
     return addFollowingRows(body, i, searchRegion, range, tick);
   addFlatRows(body, i, searchRegion, range, tick);
   body.held.pieces.resize(before);

@@ -37,6 +37,8 @@ struct ShapeSurface {
   SurfaceTopology topology;
   double radius = 0.0;                    ///< m
   std::vector<std::uint32_t> sharpEdges;  ///< those that are not flat
+  double sideRadius = 0.0;                ///< m, of a cylinder, 0 of others
+  std::vector<std::uint8_t> sideEdges;    ///< #edges, of a cylinder: those on its side
 };
 
 /// A box in a shape's coordinates. Empty at first.
@@ -185,7 +187,7 @@ std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox
 /// Returns whether the pieces are flat within `searchRegion` of their points nearest to `x`, or farther away
 /// than that. `radius` is that of the point at x.
 bool areFlatAround(const HeldPiece* begin, const HeldPiece* end, const Eigen::Vector3d& x, double radius,
-                   double searchRegion);
+                   double searchRegion, std::vector<std::uint64_t>& keys);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

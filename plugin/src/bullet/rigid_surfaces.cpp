@@ -187,6 +187,22 @@ ShapeSurface roundSurface(const btConvexShape& shape, int axis) {
   return hullOf(corners, 0.0);
 }
 
+/// Marks the edges along the side: those of triangles that all face away from the axis.
+void findSide(const btCylinderShape& cylinder, int axis, ShapeSurface& surface) {
+  constexpr double kFacing = 0.01;  // cosine, less than half of that of a rim's triangles
+  const SurfaceTopology& t = surface.topology;
+  surface.sideRadius = std::min(double(cylinder.getHalfExtentsWithMargin()[(axis + 1) % 3]),
+                                double(cylinder.getHalfExtentsWithMargin()[(axis + 2) % 3]));
+  surface.sideEdges.assign(t.edges.size(), 0);
+  const auto isOnSide = [&](std::uint32_t triangle) {
+    return triangle != kNoFeature && std::abs(normalOf(t, triangle)[axis]) < kFacing;
+  };
+  for (std::size_t e = 0; e < t.edges.size(); ++e) {
+    const auto& [first, second] = t.edgeTriangles[e];
+    surface.sideEdges[e] = isOnSide(first) && isOnSide(second);
+  }
+}
+
 int axisOf(const btConvexShape& shape) {
   if (shape.getShapeType() == CYLINDER_SHAPE_PROXYTYPE)
     return static_cast<const btCylinderShape&>(shape).getUpAxis();
@@ -265,7 +281,10 @@ ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
   if (forEachCorner(shape, [&](const btVector3& corner) { corners.push_back(corner); }))
     return hullOf(corners, double(shape.getMargin()));
   const auto& convex = static_cast<const btConvexShape&>(shape);
-  return roundSurface(convex, axisOf(convex));
+  ShapeSurface surface = roundSurface(convex, axisOf(convex));
+  if (shape.getShapeType() == CYLINDER_SHAPE_PROXYTYPE)
+    findSide(static_cast<const btCylinderShape&>(shape), axisOf(convex), surface);
+  return surface;
 }
 
 }  // namespace

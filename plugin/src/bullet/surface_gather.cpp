@@ -240,7 +240,8 @@ void findContacts(const SurfaceCandidate& m, SurfaceSearch& s) {
   if (isSelf(m))
     findSelfContacts(a, margin(m), s.search, s.contacts);
   else
-    findSurfaceContacts(a, b, margin(m), s.search, s.contacts, m.held != nullptr);
+    findSurfaceContacts(a, b, margin(m), s.search, s.contacts,
+                        m.held ? coveredFeatures(a, *m.part) : Covered());
 }
 
 /// Has both bodies tested on while there is an overlap.
@@ -374,9 +375,12 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& pa
              double tick, SurfaceSearch& s, TickContacts& found) {
   const SurfaceCandidate m{&body, nullptr, nullptr, &partner, &part};
   const MovingSurface& soft = movingSurface(body, tick);
-  if (staysCloseToRound(soft, part) || !hasSharpFeatureNear(box, part)) return;
+  if (staysCloseToRound(soft, part)) return;
+  const Covered covered = coveredFeatures(soft, part);
+  if (!hasSharpFeatureNear(box, part, covered)) return;
   boxedSurface(body, tick);
-  if (!areNear(soft, part.moving, margin(m)) || !hasSharpFeatureNear(soft.boxes->nodes[0], part)) return;
+  if (!areNear(soft, part.moving, margin(m)) || !hasSharpFeatureNear(soft.boxes->nodes[0], part, covered))
+    return;
   s.search.bearing.clear();
   findContacts(m, s);
   addCandidate(m, s.contacts, tick, s, found);

@@ -146,9 +146,13 @@ Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& sur
 
 // --- contacts with static and kinematic objects ------------------------------------------------------------
 
-/// Returns whether a sharp edge of the part is near the box, or the part has no edges. Otherwise the contacts
-/// of the points are enough.
-bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part);
+/// Returns the features whose contacts those of the points replace: the points, and the edges on the side of
+/// a cylinder into which edges and triangles sink little if their corners rest on it.
+Covered coveredFeatures(const MovingSurface& soft, const RigidPart& part);
+
+/// Returns whether a sharp edge of the part that is not covered is near the box, or the part has no edges.
+/// Otherwise the contacts of the points are enough.
+bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part, const Covered& covered);
 
 /// Returns whether edges and triangles sink little into a sphere or capsule if their corners rest on it.
 bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part);

@@ -12,10 +12,10 @@ namespace limber {
 /// Two surfaces that are tested for contact.
 struct SurfacePair {
   const MovingSurface &a, &b;
-  double margin;         ///< m, contacts have at most this gap or close it during the tick
-  bool self;             ///< a and b are the same surface
-  double extraMargin;    ///< m, part of `margin` that does not count in the test for closeness at rest
-  bool covered = false;  ///< contacts of a's vertices are not wanted
+  double margin;       ///< m, contacts have at most this gap or close it during the tick
+  bool self;           ///< a and b are the same surface
+  double extraMargin;  ///< m, part of `margin` that does not count in the test for closeness at rest
+  Covered covered = {};
 
   double radiusSum() const { return a.radius + b.radius; }
 };

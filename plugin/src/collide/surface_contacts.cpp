@@ -69,6 +69,10 @@ void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& ow
   }
 }
 
+bool isCovered(const SurfacePair& pair, std::uint32_t edgeB) {
+  return pair.covered.edges && (*pair.covered.edges)[edgeB];
+}
+
 void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedElement& b,
                     ContactSearch& search) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -77,7 +81,8 @@ void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedE
     const Edge& ends = pair.a.topology->edges[edgeA];
     for (std::size_t j = 0; j < 3; ++j)
       if (const std::uint32_t edgeB = b.element->edges[j];
-          edgeB != kNoFeature && !isOwnCorner(pair, ends[0], pair.b.topology->edges[edgeB]) &&
+          edgeB != kNoFeature && !isCovered(pair, edgeB) &&
+          !isOwnCorner(pair, ends[0], pair.b.topology->edges[edgeB]) &&
           !isOwnCorner(pair, ends[1], pair.b.topology->edges[edgeB]) &&
           separation(a.edges[i], b.edges[j]) <= pair.margin)
         collideEdges(pair, edgeA, edgeB, search);
@@ -92,7 +97,7 @@ void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
   for (const auto& [i, j] : search.near) {
     if (i != leafA) a = boxed(pair.a, leafA = i);
     if (j != leafB) b = boxed(pair.b, leafB = j);
-    if (!pair.covered) collideVerticesOf(pair, false, a, b, search);
+    if (!pair.covered.vertices) collideVerticesOf(pair, false, a, b, search);
     collideVerticesOf(pair, true, b, a, search);
     collideEdgesOf(pair, a, b, search);
   }
@@ -195,11 +200,11 @@ ElementBall ballAround(const MovingSurface& surface, std::uint32_t leaf) {
 
 /// Returns the distance (m) of the ball from the edges and vertices that the element owns, at the start of
 /// the tick.
-double distanceFromEdges(const MovingSurface& surface, const SurfaceElement& element,
-                         const ElementBall& ball) {
+double distanceFromEdges(const SurfacePair& pair, const SurfaceElement& element, const ElementBall& ball) {
+  const MovingSurface& surface = pair.b;
   double least = HUGE_VAL;
   for (const std::uint32_t e : element.edges) {
-    if (e == kNoFeature) continue;
+    if (e == kNoFeature || isCovered(pair, e)) continue;
     const Edge& edge = surface.topology->edges[e];
     const Vector3d from = surface.position->col(edge[0]), to = surface.position->col(edge[1]);
     const Vector3d nearest = from + nearestOnSegment(from, to, ball.center) * (to - from);
@@ -221,7 +226,7 @@ void dropFarEdges(const SurfacePair& pair, LeafPairs& near) {
     const SurfaceElement& element = t.elements[t.nodes[leaves.second].element];
     double motion = 0.0;
     for (const std::uint32_t c : element.corners) motion = std::max(motion, pair.b.motion->col(c).norm());
-    return distanceFromEdges(pair.b, element, ball) > pair.margin + pair.b.radius + motion;
+    return distanceFromEdges(pair, element, ball) > pair.margin + pair.b.radius + motion;
   };
   near.erase(std::remove_if(near.begin(), near.end(), isFar), near.end());
 }
@@ -317,7 +322,7 @@ void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<Surf
 }  // namespace
 
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
-                         std::vector<SurfaceContact>& found, bool covered) {
+                         std::vector<SurfaceContact>& found, const Covered& covered) {
   found.clear();
   if (a.boxes->nodes.empty() || b.boxes->nodes.empty()) return;
   const SurfacePair pair{a, b, margin, false, 0.0, covered};
@@ -326,7 +331,7 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
   if (between && between->areApart()) return;
   findNearLeaves(a, b, margin, search.waiting, search.near);
   if (between) between->dropApart();
-  if (covered) dropFarEdges(pair, search.near);
+  if (covered.vertices) dropFarEdges(pair, search.near);
   searchNear(pair, search, found);
 }
 

@@ -65,6 +65,12 @@ struct ContactSearch {
                                        ///< in the last tick
 };
 
+/// Features whose contacts are found elsewhere.
+struct Covered {
+  bool vertices = false;                             ///< those of a
+  const std::vector<std::uint8_t>* edges = nullptr;  ///< #edges of b, not 0: covered; nullptr: none
+};
+
 /// Finds all contacts of two surfaces: where they touch, are within `margin` (m) of it, or will touch after
 /// their expected motion. Tests vertices with triangles, edges with crossing edges, and vertices with edges
 /// and vertices where these are nearest. Boxes of both must be fitted. The contacts are sorted by key.
@@ -81,9 +87,9 @@ struct ContactSearch {
 /// Where vertices are closer together than its radius, it collides with all of them that approach it, not
 /// only with the nearest.
 ///
-/// `covered`: without the contacts of a's vertices, which others find.
+/// `covered`: what is left out.
 void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactSearch& search,
-                         std::vector<SurfaceContact>& found, bool covered = false);
+                         std::vector<SurfaceContact>& found, const Covered& covered = {});
 
 /// Finds contacts that separate two closed surfaces which have been placed into each other, however deep,
 /// along one direction: one for each vertex that is deeper inside than both radii. Returns false, and finds

@@ -245,11 +245,14 @@ bool findContact(const Approach& m, const HeldPoint& nearest, double maxDistance
   return true;
 }
 
+/// Share of the radius by which an edge stands out from a face, at least.
+constexpr double kMinStanding = 0.02 * kTouching;
+
 /// Whether x is kept, of two contacts with about the same normal. An edge that is flush with a face is no
 /// contact: it must stand out from the face. Gaps cannot decide this while the point is far away and the
 /// normals differ slightly.
 bool isBetter(const HeldContact& x, const HeldContact& y, double radius) {
-  const double minHeight = 0.02 * kTouching * radius;
+  const double minHeight = kMinStanding * radius;
   if (x.onFace == y.onFace) return x.gap <= y.gap;
   const HeldContact &face = x.onFace ? x : y, &edge = x.onFace ? y : x;
   return x.onFace == (face.normal.dot(edge.touch - face.touch) < minHeight);
@@ -262,6 +265,16 @@ void addContact(std::vector<HeldContact>& contacts, const HeldContact& c, double
     contacts.erase(contacts.begin() + static_cast<std::ptrdiff_t>(i--));
   }
   contacts.push_back(c);
+}
+
+/// Whether the point touches one of the faces before the edge: that does not stand out from the face. This
+/// spares the search for what covers it.
+bool isFlushWithFace(const std::vector<HeldContact>& contacts, const HeldContact& edge, double radius) {
+  const double minHeight = kMinStanding * radius;
+  return std::any_of(contacts.begin(), contacts.end(), [&](const HeldContact& face) {
+    return face.onFace && face.gap <= edge.gap &&
+           face.normal.dot(edge.touch - radius * edge.normal - face.touch + radius * face.normal) < minHeight;
+  });
 }
 
 /// Updates the side of a sheet on which the point is. The side stays the same while the point is above or
@@ -359,6 +372,7 @@ bool findContact(const HeldPiece& solid, double radius, const Vector3d& x, const
 void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& displacement, double within) {
   std::vector<HeldContact>& contacts = around.contacts;
   contacts.clear();
+  around.edges.clear();
   HeldPiece* begin = around.all->pieces.data() + around.begin;
   const HeldPiece* end = around.all->pieces.data() + around.end;
   const double maxDistance = within + displacement.norm();
@@ -375,7 +389,16 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
     minGap = std::min(minGap, nearest.height - around.radius);
     const Approach approach{first, next, x, path, around.radius};
     HeldContact c;
-    if (findContact(approach, nearest, maxDistance, c) && !isBlocked(around, approach, c))
+    if (!findContact(approach, nearest, maxDistance, c)) continue;
+    if (!c.onFace)
+      around.edges.emplace_back(c, static_cast<std::size_t>(first - begin));
+    else if (!isBlocked(around, approach, c))
+      addContact(contacts, c, around.radius);
+  }
+  for (const auto& [c, piece] : around.edges) {
+    const HeldPiece* first = begin + piece;
+    if (isFlushWithFace(contacts, c, around.radius)) continue;
+    if (!isBlocked(around, {first, endOfSolid(first, end), x, path, around.radius}, c))
       addContact(contacts, c, around.radius);
   }
   around.clearAt = x;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace limber {
@@ -54,6 +55,7 @@ struct HeldContact {
 /// All pieces near a body's points in a tick, one neighbourhood after the other.
 struct HeldSurroundings {
   std::vector<HeldPiece> pieces;
+  std::vector<std::uint64_t> edgeKeys;  ///< scratch
 };
 
 /// The pieces near one point.
@@ -63,8 +65,9 @@ struct HeldNeighbourhood {
   double radius = 0.0;  ///< m, of the point
 
   // Written by findContacts().
-  std::vector<HeldContact> contacts;                  ///< no other point's, since threads share the points
-  Eigen::Vector3d clearAt = Eigen::Vector3d::Zero();  ///< m, the position at which `clear` was computed
+  std::vector<HeldContact> contacts;  ///< no other point's, since threads share the points
+  std::vector<std::pair<HeldContact, std::size_t>> edges;  ///< scratch: contacts beside faces, their pieces
+  Eigen::Vector3d clearAt = Eigen::Vector3d::Zero();       ///< m, the position at which `clear` was computed
   double clear = 0.0;  ///< m, motion from there without a contact; 0: contact is possible at once
 };
 
