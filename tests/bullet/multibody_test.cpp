@@ -229,8 +229,9 @@ TEST(MultiBodies, aChainInSpaceKeepsAllMomentaInAHit) {
       w.tick(1.0 / rate);
       double energy = cube->kineticEnergy() + cube->elasticEnergy();
       const Momenta m = momentaOf(*chain, energy);
-      // Bullet keeps the joint speeds, not the momenta of a rotating chain: an error of the tick's order
-      ASSERT_LT((cube->linearMomentum() + m.linear - Vector3d(4, 0, 0)).norm(), 0.1 * 60 / rate)
+      // Bullet keeps the joint speeds, not the momenta of a rotating chain, and the impulses of a tick are
+      // those at its start: an error of the tick's order
+      ASSERT_LT((cube->linearMomentum() + m.linear - Vector3d(4, 0, 0)).norm(), 0.15 * 60 / rate)
           << "tick " << i;
       ASSERT_LT((cube->angularMomentum() + m.angular - angular).norm(), 0.2 * 60 / rate) << "tick " << i;
       ASSERT_LT(energy, 8.0 * 1.02) << "tick " << i << " at " << rate << " Hz";
@@ -422,6 +423,28 @@ TEST(MultiBodies, whatIsNotTouchedSwingsAsBefore) {
     EXPECT_LT(energy(), 0.1) << i;  // Bullet alone: up to 0.1 of the 2.5 J that it swings with
   }
   EXPECT_GT(energy(), -0.3);
+}
+
+/// Nothing is searched for near a body at rest but what is near.
+TEST(MultiBodies, aBaseThatIsThrownSuddenlyIsStopped) {
+  if (!test::kSurface) GTEST_SKIP() << "Bullet finds the partners of points";
+  for (const bool rested : {false, true}) {
+    MultiBodyWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    const btVector3 half = vec(0.4, 0.4, 0.4);
+    btMultiBody* box = bullet.addMultiBody(0, 1.0, half, vec(0, 1.5, 0), false);
+    bullet.addCollider(box, -1, half);
+    bullet.enter(box);
+    SoftBodySettings s = cubeBesideLinksAt({0.02, 0, 0.01});
+    s.totalMass = 20.0;
+    s.extensionStiffness = s.compressionStiffness = 5e4;
+    SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+    if (rested) bullet.simulate(0.5);
+    box->setBaseVel(vec(0, -60, 0));  // a metre a tick
+    bullet.simulate(0.1);
+    EXPECT_GT(double(box->getBasePos().y()), cube.centerOfMass().y()) << rested;
+    EXPECT_LT(cube.linearMomentum().y(), -30.0) << rested;
+  }
 }
 
 /// What carries it is for Bullet's solver, to which it must not seem to fall in each tick.

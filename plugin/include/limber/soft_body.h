@@ -266,7 +266,7 @@ class LIMBER_API SoftBody {
   double errorPerSecond() const;
   /// Returns an upper bound, in rad/s, of the body's fastest oscillation at any deformation. Substeps are
   /// short enough to be stable for this bound, and as exact as Stepping::periodTolerance requires for the
-  /// fastest oscillation about the rest shape.
+  /// fastest oscillation about the rest shape. 0 before the first tick.
   double frequencyBound() const;
 
   /// Returns the contacts of the last tick with their impulses (contacts.h): all that had an impulse, and

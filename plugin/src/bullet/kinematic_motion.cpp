@@ -314,8 +314,28 @@ void addMovingBody(btDiscreteDynamicsWorld& world, btRigidBody& body, btScalar t
   addToBodiesIn(world, body, low, high, rotation + kBoxMargin, system);
 }
 
-void addMovingLink(btDiscreteDynamicsWorld& world, btMultiBodyLinkCollider& link, const void* system) {
-  const Eigen::AlignedBox3d box = boundsOf(link);
+/// Returns the velocity (m/s) of a link's centre. `spin` becomes a bound of its angular speed (rad/s).
+btVector3 velocityOf(const btMultiBodyLinkCollider& collider, btScalar& spin) {
+  const btMultiBody& m = *collider.m_multiBody;
+  const btVector3& center = collider.getWorldTransform().getOrigin();
+  spin = m.getBaseOmega().length();
+  btVector3 velocity = m.getBaseVel() + m.getBaseOmega().cross(center - m.getBasePos());
+  for (int i = collider.m_link; i >= 0; i = m.getLink(i).m_parent) {
+    const btMultibodyLink& link = m.getLink(i);
+    const btTransform& pose = link.m_cachedWorldTransform;
+    for (int d = 0; d < link.m_dofCount; ++d) {
+      const btScalar rate = m.getJointVelMultiDof(i)[d];
+      const btVector3 turn = pose.getBasis() * link.getAxisTop(d) * rate;
+      velocity += pose.getBasis() * link.getAxisBottom(d) * rate + turn.cross(center - pose.getOrigin());
+      spin += turn.length();
+    }
+  }
+  return velocity;
+}
+
+void addMovingLink(btDiscreteDynamicsWorld& world, btMultiBodyLinkCollider& link, btScalar tick,
+                   const void* system) {
+  const Eigen::AlignedBox3d box = boundsOf(link, tick);
   const btBroadphaseProxy& found = *link.getBroadphaseHandle();
   if (Eigen::AlignedBox3d(toEigen(found.m_aabbMin), toEigen(found.m_aabbMax)).contains(box)) return;
   addToBodiesIn(world, link, toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())),
@@ -324,13 +344,24 @@ void addMovingLink(btDiscreteDynamicsWorld& world, btMultiBodyLinkCollider& link
 
 }  // namespace
 
-Eigen::AlignedBox3d boundsOf(const btMultiBodyLinkCollider& link) {
+Eigen::AlignedBox3d boundsOf(const btMultiBodyLinkCollider& link, btScalar tick) {
   const btBroadphaseProxy& found = *link.getBroadphaseHandle();
   const double margin = double(gContactBreakingThreshold);
   Eigen::AlignedBox3d box = boxOf(link);
   const Eigen::Vector3d down = box.min() - (toEigen(found.m_aabbMin).array() + margin).matrix();
   const Eigen::Vector3d up = box.max() - (toEigen(found.m_aabbMax).array() - margin).matrix();
-  return box.extend(box.min() + down).extend(box.max() + up);
+  btScalar spin;
+  const btVector3 velocity = velocityOf(link, spin);
+  btScalar fall = 0;
+  if (link.m_link < 0 && link.m_multiBody->getBaseMass() > btScalar(0))
+    fall = link.m_multiBody->getBaseForce().length() / link.m_multiBody->getBaseMass();
+  const Eigen::Vector3d displacement = toEigen(tick * velocity);
+  const double around =
+      double(tick * (spin * link.getCollisionShape()->getAngularMotionDisc() + tick * fall));
+  const Eigen::Vector3d low = box.min() + down, high = box.max() + up;
+  box.extend(Eigen::Vector3d(box.min() + displacement)).extend(Eigen::Vector3d(box.max() + displacement));
+  box = {box.min().array() - around, box.max().array() + around};
+  return box.extend(low).extend(high);
 }
 
 void collectMovers(btDiscreteDynamicsWorld& world, const MovingObjects& objects,
@@ -338,7 +369,7 @@ void collectMovers(btDiscreteDynamicsWorld& world, const MovingObjects& objects,
   for (const KinematicMotion& motion : kinematic.all())
     if (motion.moves()) addToBodiesIn(world, *motion.object, motion.low, motion.high, kBoxMargin, system);
   for (btMultiBodyLinkCollider* link : objects.links)
-    if (link->isActive() && link->getBroadphaseHandle()) addMovingLink(world, *link, system);
+    if (link->isActive() && link->getBroadphaseHandle()) addMovingLink(world, *link, tick, system);
   for (btRigidBody* body : objects.dynamic)
     if (body->getBroadphaseHandle()) addMovingBody(world, *body, tick, system);
 }

@@ -137,7 +137,7 @@ void collectMovers(btDiscreteDynamicsWorld& world, const MovingObjects& objects,
 
 /// Returns a box (m) around the motion of a link in the coming tick. Extrapolates it from the box in the
 /// broadphase, which is from the start of the last tick.
-Eigen::AlignedBox3d boundsOf(const btMultiBodyLinkCollider& link);
+Eigen::AlignedBox3d boundsOf(const btMultiBodyLinkCollider& link, btScalar tick);
 
 /// Returns whether Bullet's broadphase has searched all of this box (m), so that surface.partners has every
 /// object that may enter it in the coming tick.

@@ -298,32 +298,60 @@ void MultiBodyLinks::addDrive(btMultiBody& multiBody, btMultiBodyConstraint& dri
   for (int i = 0; i < rows.size(); ++i) {
     const btMultiBodySolverConstraint& row = rows[i];
     if (row.m_jacDiagABInv > btScalar(0))
-      addDriveRow(multiBody, row, &data.m_jacobians[row.m_jacAindex], found);
+      addDriveRows(multiBody, row, &data.m_jacobians[row.m_jacAindex], found);
   }
+  if (dynamic_cast<btMultiBodyJointLimitConstraint*>(&drive)) addComingLimits(multiBody, drive, found);
 }
 
-void MultiBodyLinks::addDriveRow(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
-                                 const btScalar* jacobian, TickContacts& found) {
+void MultiBodyLinks::addDriveRows(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
+                                  const btScalar* jacobian, TickContacts& found) {
   for (int link = 0; link < multiBody.getNumLinks(); ++link) {
     const btMultibodyLink& joint = multiBody.getLink(link);
     for (int d = 0; d < joint.m_dofCount; ++d) {
       const int column = 6 + joint.m_dofOffset + d;
       const double share = double(jacobian[column]);
-      JointConstraint sides;
-      if (share == 0.0 || !findSides(multiBody, link, found, sides)) continue;
-      LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
-      const btMatrix3x3& basis = child.getWorldTransform().getBasis();
-      JointConstraint row = rowAlong(inWorld(basis, share * ratesOf(joint).col(d)), armOf(child, parent));
-      row.a = sides.a, row.b = sides.b;
+      if (share == 0.0) continue;
+      JointConstraint row;
       row.speed = share * double(multiBody.getVelocityVector()[column]) +
                   double(source.m_rhs / source.m_jacDiagABInv);
       if (source.m_lowerLimit > -SIMD_INFINITY) row.lower = double(source.m_lowerLimit);
       if (source.m_upperLimit < SIMD_INFINITY) row.upper = double(source.m_upperLimit);
-      drives_.push_back({source.m_orgConstraint, column, share, found.joints.size()});
-      found.joints.push_back(row);
-      found.jointSources.emplace_back();
+      addDriveRow(multiBody, {source.m_orgConstraint, column, share, 0}, link, d, row, found);
     }
   }
+}
+
+/// Adds limits that may be reached in the tick: Bullet makes rows of those that are reached. A joint that
+/// rests on its limit would be free for a tick whenever rounding lifts it off.
+void MultiBodyLinks::addComingLimits(btMultiBody& multiBody, btMultiBodyConstraint& limit,
+                                     TickContacts& found) {
+  constexpr double kFast = 1e3;  // 1/s^2 or m/s^2, an acceleration that few joints exceed
+  const int link = limit.getLinkA(), column = 6 + multiBody.getLink(link).m_dofOffset;
+  for (int side = 0; side < limit.getNumRows(); ++side) {
+    const double share = side == 0 ? 1.0 : -1.0, distance = double(limit.getPosition(side));
+    const double approach = -share * double(multiBody.getVelocityVector()[column]);
+    if (!(distance > 0.0) || distance > found.tick * (approach + found.tick * kFast)) continue;
+    JointConstraint row;
+    row.speed = -distance / found.tick;
+    row.lower = 0.0;
+    addDriveRow(multiBody, {&limit, column, share, 0}, link, 0, row, found);
+  }
+}
+
+/// Adds the row, of which speed and limits are set.
+void MultiBodyLinks::addDriveRow(btMultiBody& multiBody, Drive drive, int link, int degree,
+                                 const JointConstraint& limits, TickContacts& found) {
+  const btMultibodyLink& joint = multiBody.getLink(link);
+  LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
+  const btMatrix3x3& basis = child.getWorldTransform().getBasis();
+  JointConstraint row =
+      rowAlong(inWorld(basis, drive.share * ratesOf(joint).col(degree)), armOf(child, parent));
+  if (!findSides(multiBody, link, found, row)) return;
+  row.speed = limits.speed, row.lower = limits.lower, row.upper = limits.upper;
+  drive.row = found.joints.size();
+  drives_.push_back(drive);
+  found.joints.push_back(row);
+  found.jointSources.emplace_back();
 }
 
 void MultiBodyLinks::addJoints(TickContacts& found) {

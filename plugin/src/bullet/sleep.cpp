@@ -233,7 +233,7 @@ void addOthersAwake(const std::vector<LinkedGroup>& groups, const MovingObjects&
   }
   for (const btMultiBodyLinkCollider* link : objects.links)
     if (link->isActive() && link->getActivationState() != WANTS_DEACTIVATION && link->getBroadphaseHandle())
-      s.awake.push_back({boundsOf(*link), link, nullptr, nullptr});
+      s.awake.push_back({boundsOf(*link, btScalar(tick)), link, nullptr, nullptr});
   for (const KinematicMotion& m : kinematic.all())
     if (m.moves() || m.object->isActive())
       s.awake.push_back({{toEigen(m.low), toEigen(m.high)}, m.object, nullptr, nullptr});

@@ -290,8 +290,11 @@ class MultiBodyLinks {
   void addTorques(btMultiBody& multiBody, int link);
   void addDrives(btMultiBody& multiBody, TickContacts& found);
   void addDrive(btMultiBody& multiBody, btMultiBodyConstraint& drive, TickContacts& found);
-  void addDriveRow(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
-                   const btScalar* jacobian, TickContacts& found);
+  void addDriveRows(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
+                    const btScalar* jacobian, TickContacts& found);
+  void addComingLimits(btMultiBody& multiBody, btMultiBodyConstraint& limit, TickContacts& found);
+  void addDriveRow(btMultiBody& multiBody, Drive drive, int link, int degree, const JointConstraint& limits,
+                   TickContacts& found);
   void prepareInertias(btMultiBody& multiBody);
   bool collectImpulses(btMultiBody& multiBody);
   Numbers changeByImpulses(btMultiBody& multiBody);
