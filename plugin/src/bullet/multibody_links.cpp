@@ -21,6 +21,8 @@ namespace {
 
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+/// One column per degree of freedom of a joint.
+using Freedom = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
 /// Number of ticks after which a body that has no soft body near it is removed.
 constexpr int kMaxUnusedTicks = 120;
@@ -53,8 +55,8 @@ void placeLink(LinkBody& body, const btVector3& velocity, const btVector3& spin)
 
 /// Returns the directions in which a joint lets its link move: its angular velocity and, below, the velocity
 /// of the link's centre of mass, in the link's frame.
-Eigen::MatrixXd freedomOf(const btMultibodyLink& link) {
-  Eigen::MatrixXd freedom(6, link.m_dofCount);
+Freedom freedomOf(const btMultibodyLink& link) {
+  Freedom freedom(6, link.m_dofCount);
   for (int d = 0; d < link.m_dofCount; ++d) {
     freedom.block<3, 1>(0, d) = toEigen(link.getAxisTop(d));
     freedom.block<3, 1>(3, d) = toEigen(link.getAxisBottom(d));
@@ -65,8 +67,8 @@ Eigen::MatrixXd freedomOf(const btMultibodyLink& link) {
 /// Returns the six-vectors w_d, in the link's frame, that tell the rates of a joint's degrees of freedom from
 /// the relative motion of its link:  rate_d = w_d . (angular velocity, velocity).  A unit force of degree d
 /// acts on the link as the torque and force w_d.
-Eigen::MatrixXd ratesOf(const btMultibodyLink& link) {
-  const Eigen::MatrixXd freedom = freedomOf(link);
+Freedom ratesOf(const btMultibodyLink& link) {
+  const Freedom freedom = freedomOf(link);
   return freedom * (freedom.transpose() * freedom).inverse();
 }
 
@@ -188,7 +190,7 @@ void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& fo
   const Vector3d arm = armOf(child, parent);
   const btMatrix3x3& basis = child.getWorldTransform().getBasis();
   // all directions except those of the joint's freedom
-  const Eigen::MatrixXd freedom = freedomOf(joint);
+  const Freedom freedom = freedomOf(joint);
   const Eigen::Matrix<double, 6, 6> directions = orthogonalColumns(freedom, 6);
   for (Eigen::Index d = freedom.cols(); d < 6; ++d) {
     JointConstraint row = rowAlong(inWorld(basis, directions.col(d)), arm);
@@ -203,7 +205,7 @@ void MultiBodyLinks::addTorques(btMultiBody& multiBody, int link) {
   const btMultibodyLink& joint = multiBody.getLink(link);
   if (joint.m_dofCount == 0) return;
   LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
-  Eigen::VectorXd torques(joint.m_dofCount);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1> torques(joint.m_dofCount);
   for (int d = 0; d < joint.m_dofCount; ++d) torques[d] = double(joint.m_jointTorque[d]);
   const Twist w = inWorld(child.getWorldTransform().getBasis(), ratesOf(joint) * torques);
   child.applyTorque(toBullet(w.angular));
@@ -467,7 +469,7 @@ MultiBodyLinks::Numbers MultiBodyLinks::meanVelocities(btMultiBody& multiBody, c
     Vector6d relative;
     relative << toEigen(toOwn * toBullet(own.angular - carried.angular)),
         toEigen(toOwn * toBullet(own.linear - carried.linear - carried.angular.cross(armOf(child, parent))));
-    const Eigen::VectorXd rates = ratesOf(joint).transpose() * relative;
+    const auto rates = (ratesOf(joint).transpose() * relative).eval();
     for (int d = 0; d < joint.m_dofCount; ++d)
       mean[static_cast<std::size_t>(6 + joint.m_dofOffset + d)] = static_cast<btScalar>(rates[d]);
   }
