@@ -410,13 +410,12 @@ MultiBodyLinks::Numbers MultiBodyLinks::changeByImpulses(btMultiBody& multiBody)
 
 void MultiBodyLinks::apply(btMultiBody& multiBody, const TickContacts& found) {
   const bool any = collectImpulses(multiBody);
-  if (isAlone(multiBody)) {
-    if (any) applyMotion(multiBody, found);
-    return;
-  }
-  if (any) multiBody.applyDeltaVeeMultiDof(changeByImpulses(multiBody).data(), btScalar(1));
-  for (Supported& supported : supported_)
-    if (supported.multiBody == &multiBody) supported.start = velocitiesOf(multiBody);
+  const auto isThis = [&](const Supported& supported) { return supported.multiBody == &multiBody; };
+  const auto supported = std::find_if(supported_.begin(), supported_.end(), isThis);
+  const bool alone = world_ && supported == supported_.end();
+  if (any && alone) applyMotion(multiBody, found);
+  if (any && !alone) multiBody.applyDeltaVeeMultiDof(changeByImpulses(multiBody).data(), btScalar(1));
+  if (supported != supported_.end()) supported->start = velocitiesOf(multiBody);
 }
 
 /// Gives the multibody the motion of the step, as writeRigidToBullet() does for rigid bodies: the mean
