@@ -249,6 +249,31 @@ TEST(SurfaceCurves, aBallUnderTheMiddleOfAFaceCarriesIt) {
       }
 }
 
+/// Between their corners the triangles may be in a ball to some depth. The contact of a triangle whose third
+/// corner is lifted must not begin at that depth: it would throw the corner back in each tick.
+TEST(SurfaceCurves, aCutClothOverABallComesToRest) {
+  if (!test::kSurface) GTEST_SKIP() << "triangles have no contacts";
+  constexpr double kBall = 0.15;  // m
+  for (const double aside : {0.0, 0.02, 0.04}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    bullet.add(std::make_unique<btSphereShape>(btScalar(kBall)), 0, vec(0, kBall, 0));
+    SoftBodySystem system(*bullet.world);
+    ClothSettings grid;
+    grid.width = grid.depth = 0.6;
+    grid.columns = grid.rows = 6;
+    SoftBodySettings s;
+    s.position = {aside, 2.0 * kBall + 0.05, 0.01};
+    s.totalMass = 0.2;
+    s.pointRadius = 0.008;
+    SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
+    bullet.simulate(2.0);
+    ASSERT_TRUE(cloth->cut(vec(0, 0, 0.11), vec(0.3, 0, 1)));
+    bullet.simulate(8.0);
+    EXPECT_TRUE(cloth->sleeping()) << aside << ": " << cloth->kineticEnergy() << " J";
+  }
+}
+
 /// The rim of a cylinder is a polyhedron's, of 64 edges, just inside the cylinder. The cloth lies on the disc
 /// around the rim of the inner radius; it sinks by a part of its own radius at most.
 TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {

@@ -402,6 +402,8 @@ bool staysCloseToRound(const MovingSurface& soft, const SurfaceContact& c, doubl
 
 namespace {
 
+bool isRound(const RigidPart& part) { return part.surface->topology.triangles.empty(); }
+
 /// Returns whether all edges sink into a round surface of this radius (m) by little between their corners.
 bool staysCloseToRound(const MovingSurface& soft, double radius) {
   const double maxSquared = maxEdgeSquared(soft, radius);
@@ -414,7 +416,7 @@ bool staysCloseToRound(const MovingSurface& soft, double radius) {
 }  // namespace
 
 bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part) {
-  return part.surface->topology.triangles.empty() && staysCloseToRound(soft, part.surface->radius);
+  return isRound(part) && staysCloseToRound(soft, part.surface->radius);
 }
 
 Covered coveredFeatures(const MovingSurface& soft, const RigidPart& part) {
@@ -436,6 +438,16 @@ bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part, const Cover
 }
 
 namespace {
+
+RoundSupport supportOf(const SurfaceCandidate& m) {
+  return {m.part->moving.radius + m.body->surface.moving.radius, kMaxSagging * radiusOf(*m.body)};
+}
+
+double saggingOf(const SurfaceCandidate& m, const SurfaceContact& c) {
+  const Points& x = *m.body->surface.moving.position;
+  return sagging({x.col(c.a.points[0]), x.col(c.a.points[1]), x.col(c.a.points[2])}, c.a.weights.data(),
+                 supportOf(m));
+}
 
 /// Returns whether contacts of the corners replace the contact `c` of an edge or triangle.
 bool cornersCarryContact(const SoftBodyData& body, const SurfaceContact& c, double margin) {
@@ -471,7 +483,9 @@ Vector3d spinOf(const btCollisionObject& object, double tick) {
 }  // namespace
 
 bool isHeldContact(const SurfaceCandidate& m, const SurfaceContact& c, double margin, SurfaceSearch& s) {
-  if (c.a.kind == FeatureKind::OnVertex || cornersCarryContact(*m.body, c, margin)) return false;
+  if (c.a.kind == FeatureKind::OnVertex) return false;
+  if (isRound(*m.part) ? saggingOf(m, c) <= supportOf(m).maxDepth : cornersCarryContact(*m.body, c, margin))
+    return false;
   return isMoved(*m.held) || !isInternalEdge(m, c, s);
 }
 
@@ -479,6 +493,7 @@ void setHeldSide(const SurfaceCandidate& m, const SurfaceContact& c, double seco
                  Contact& contact) {
   const double radiusSum = m.part->moving.radius + m.body->surface.moving.radius;
   contact.gap += standingDepth(*m.body->world, *m.held, c.normal);
+  if (isRound(*m.part)) contact.gap += allowedDepth(saggingOf(m, c), supportOf(m));
   if (isMoved(*m.held)) {
     Vector3d displacement = Vector3d::Zero();
     for (std::size_t i = 0; i < 3; ++i)
@@ -490,6 +505,7 @@ void setHeldSide(const SurfaceCandidate& m, const SurfaceContact& c, double seco
     contact.corners.count = c.b.kind == FeatureKind::OnEdge ? 2 : 1;
     for (std::size_t i = 0; i < 2; ++i) contact.corners.at[i] = m.part->moving.position->col(c.b.points[i]);
     contact.corners.radiusSum = radiusSum;
+    if (isRound(*m.part)) contact.corners.maxDepth = supportOf(m).maxDepth;
   }
 }
 

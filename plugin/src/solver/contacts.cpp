@@ -320,8 +320,8 @@ NearestFeature nearestTriangle(const Vector3d& a, const Vector3d& b, const Vecto
 void followCorners(IslandConstraints& rows, std::size_t index) {
   ContactConstraint& row = rows.rows[index];
   const HeldCorners& held = contactOf(rows, index).corners;
-  std::array<Vector3d, 3> x;
   const std::uint32_t count = row.endPoint - row.firstPoint;
+  std::array<Vector3d, 3> x{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
   for (std::uint32_t i = 0; i < count; ++i) x[i] = ConstMap(rows.momentArms[row.firstPoint + i].position);
   const NearestFeature f =
       count == 3 ? nearestTriangle(x[0], x[1], x[2], held) : nearestEdge(x[0], x[1], held);
@@ -329,7 +329,12 @@ void followCorners(IslandConstraints& rows, std::size_t index) {
   if (!f.inside || !(length > 0.0)) return disable(row);
   const double side = f.normal.dot(ConstMap(row.axes[0])) < 0.0 ? -1.0 : 1.0;
   const Vector3d normal = side / length * f.normal;
-  moveRow(rows, index, normal, normal.dot(f.offset) - held.radiusSum, f.weights.data());
+  double gap = normal.dot(f.offset) - held.radiusSum;
+  if (held.maxDepth > 0.0) {
+    const RoundSupport support{held.radiusSum, held.maxDepth};
+    gap += allowedDepth(sagging(x, f.weights.data(), support), support);
+  }
+  moveRow(rows, index, normal, gap, f.weights.data());
 }
 
 /// Uses the plane at the time when the spheres are nearest. The plane between their present positions would
@@ -437,6 +442,19 @@ void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv
 }
 
 }  // namespace
+
+double sagging(const std::array<Vector3d, 3>& corners, const double* weights, const RoundSupport& support) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    sum += weights[i] * weights[j] * (corners[i] - corners[j]).squaredNorm();
+  }
+  return 0.5 * sum / support.radius;
+}
+
+double allowedDepth(double sagging, const RoundSupport& support) {
+  return std::max(0.0, std::min(sagging, 2.0 * support.maxDepth - sagging));
+}
 
 void setMobility(ContactConstraint& row, const Mobility& m) {
   row.mobility = m.nn;

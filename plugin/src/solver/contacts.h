@@ -52,7 +52,25 @@ struct HeldCorners {
   int count = 0;  ///< 0: none
   std::array<Eigen::Vector3d, 2> at{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double radiusSum = 0.0;  ///< m
+  double maxDepth = 0.0;   ///< m, RoundSupport::maxDepth; 0: not round
 };
+
+/// A round surface that supports an edge or triangle at its corners.
+struct RoundSupport {
+  double radius = 0.0;    ///< m, with the radius of the points
+  double maxDepth = 0.0;  ///< m, to which the edge or triangle may be in it between its corners
+};
+
+/// Returns how deep (m) a point of an edge or triangle is in a round surface if its corners rest on it. With
+/// its weights w_i, the lengths L_ij between the corners and the radius R, the squared distance from the
+/// centre is R^2 - sum w_i w_j L_ij^2. `weights`: 3.
+double sagging(const std::array<Eigen::Vector3d, 3>& corners, const double* weights,
+               const RoundSupport& support);
+
+/// Returns the depth (m) that the contact with this sagging may have: the sagging, so that it needs no
+/// contact besides those of the corners, up to the maximum. Beyond that less, down to 0 at twice the maximum.
+/// It has no steps: they would push the body out when a contact begins.
+double allowedDepth(double sagging, const RoundSupport& support);
 
 /// Two contact points whose gap along a normal must not become smaller than allowed, with Coulomb friction
 /// across the normal. The impulses at the two points are equal and opposite, so linear momentum is conserved
