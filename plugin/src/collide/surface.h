@@ -204,6 +204,12 @@ using LeafPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
                     LeafPairs& near);
 
+/// As findNearLeaves(), but only if an edge that is not covered, or a vertex, of the leaf of b is near the
+/// leaf of a: large triangles of b are near many leaves. `covered`: #edges of b, not 0: covered; nullptr:
+/// none is.
+void findLeavesNearEdges(const MovingSurface& a, const MovingSurface& b, double margin,
+                         const std::vector<std::uint8_t>* covered, LeafPairs& waiting, LeafPairs& near);
+
 /// Writes to `found` the triangles whose boxes overlap `box`.
 void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
                    std::vector<std::uint32_t>& found);

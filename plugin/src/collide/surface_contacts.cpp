@@ -185,52 +185,6 @@ class Between {
   double distance_;  ///< m, at which points are not near
 };
 
-// --- edges and vertices alone ------------------------------------------------------------------------------
-
-/// The largest distance (m) from a centre of what an element may touch.
-struct ElementBall {
-  Vector3d center;
-  double radius = 0.0;
-};
-
-ElementBall ballAround(const MovingSurface& surface, std::uint32_t leaf) {
-  const SweptBox& box = surface.boxes->nodes[leaf];
-  return {centerOf(box), 0.5 * (box.high - box.low).head<3>().matrix().norm()};
-}
-
-/// Returns the distance (m) of the ball from the edges and vertices that the element owns, at the start of
-/// the tick.
-double distanceFromEdges(const SurfacePair& pair, const SurfaceElement& element, const ElementBall& ball) {
-  const MovingSurface& surface = pair.b;
-  double least = HUGE_VAL;
-  for (const std::uint32_t e : element.edges) {
-    if (e == kNoFeature || isCovered(pair, e)) continue;
-    const Edge& edge = surface.topology->edges[e];
-    const Vector3d from = surface.position->col(edge[0]), to = surface.position->col(edge[1]);
-    const Vector3d nearest = from + nearestOnSegment(from, to, ball.center) * (to - from);
-    least = std::min(least, (nearest - ball.center).norm());
-  }
-  for (const std::uint32_t v : element.vertices)
-    if (v != kNoFeature) least = std::min(least, (surface.position->col(v) - ball.center).norm());
-  return least - ball.radius;
-}
-
-/// Drops the pairs in `near` in which no edge or vertex of b comes near the element of a. Large triangles of
-/// b are near many.
-void dropFarEdges(const SurfacePair& pair, LeafPairs& near) {
-  const SurfaceTopology& t = *pair.b.topology;
-  std::uint32_t leafA = kNoFeature;
-  ElementBall ball;
-  const auto isFar = [&](const LeafPairs::value_type& leaves) {
-    if (leaves.first != leafA) ball = ballAround(pair.a, leafA = leaves.first);
-    const SurfaceElement& element = t.elements[t.nodes[leaves.second].element];
-    double motion = 0.0;
-    for (const std::uint32_t c : element.corners) motion = std::max(motion, pair.b.motion->col(c).norm());
-    return distanceFromEdges(pair, element, ball) > pair.margin + pair.b.radius + motion;
-  };
-  near.erase(std::remove_if(near.begin(), near.end(), isFar), near.end());
-}
-
 // --- duplicate contacts ------------------------------------------------------------------------------------
 
 /// Fraction of the feature size within which contact points are the same.
@@ -329,9 +283,11 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
   std::optional<Between> between;
   if (std::max(a.position->cols(), b.position->cols()) < kManyPoints) between.emplace(pair, search);
   if (between && between->areApart()) return;
-  findNearLeaves(a, b, margin, search.waiting, search.near);
+  if (covered.vertices)
+    findLeavesNearEdges(a, b, margin, covered.edges, search.waiting, search.near);
+  else
+    findNearLeaves(a, b, margin, search.waiting, search.near);
   if (between) between->dropApart();
-  if (covered.vertices) dropFarEdges(pair, search.near);
   searchNear(pair, search, found);
 }
 

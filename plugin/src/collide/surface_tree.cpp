@@ -85,6 +85,57 @@ void descendIntoOne(const SurfaceNode& node, LeafPairs& waiting) {
   waiting.emplace_back(node.child, node.child);
 }
 
+/// Finds the pairs of leaves; leaves out the pairs of nodes for which isFar(i, j).
+template <class IsFar>
+void findNear(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
+              LeafPairs& near, IsFar isFar) {
+  const bool self = &a == &b;
+  const std::vector<SurfaceNode>&nodesA = a.topology->nodes, &nodesB = b.topology->nodes;
+  near.clear();
+  waiting.clear();
+  if (!nodesA.empty() && !nodesB.empty()) waiting.emplace_back(0, 0);
+  while (!waiting.empty()) {
+    const auto [i, j] = waiting.back();
+    waiting.pop_back();
+    if (self && i == j) {
+      descendIntoOne(nodesA[i], waiting);
+    } else if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) <= margin && !isFar(i, j)) {
+      if (!isLeaf(nodesA[i]) || !isLeaf(nodesB[j]))
+        descend(a, b, i, j, waiting);
+      else
+        near.push_back(self ? LeafPairs::value_type(std::minmax(i, j)) : LeafPairs::value_type(i, j));
+    }
+  }
+}
+
+/// A ball around all that a node may touch.
+struct NodeBall {
+  Vector3d center;
+  double radius = 0.0;
+};
+
+NodeBall ballAround(const SweptBox& box) {
+  const Eigen::Array3d low = box.low.head<3>(), high = box.high.head<3>();
+  return {0.5 * (low + high), 0.5 * (high - low).matrix().norm()};
+}
+
+/// Returns the squared distance (m^2) of a point from the edges that are not covered, and from the vertices,
+/// that the element owns, at the start of the tick.
+double squaredDistanceFromEdges(const MovingSurface& surface, const SurfaceElement& element,
+                                const std::vector<std::uint8_t>* covered, const Vector3d& point) {
+  double least = HUGE_VAL;
+  for (const std::uint32_t e : element.edges) {
+    if (e == kNoFeature || (covered && (*covered)[e])) continue;
+    const Edge& edge = surface.topology->edges[e];
+    const Vector3d from = surface.position->col(edge[0]), to = surface.position->col(edge[1]);
+    const Vector3d nearest = from + nearestOnSegment(from, to, point) * (to - from);
+    least = std::min(least, (nearest - point).squaredNorm());
+  }
+  for (const std::uint32_t v : element.vertices)
+    if (v != kNoFeature) least = std::min(least, (surface.position->col(v) - point).squaredNorm());
+  return least;
+}
+
 /// Returns the sum of the normals around a vertex or an edge or of a triangle (where no weight is 0), each
 /// weighted with its angle there. With it the sign of the distance is the same for all triangles that share
 /// the nearest point (Baerentzen, Aanaes 2005).
@@ -174,23 +225,21 @@ void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes) {
 
 void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
                     LeafPairs& near) {
-  const bool self = &a == &b;
-  const std::vector<SurfaceNode>&nodesA = a.topology->nodes, &nodesB = b.topology->nodes;
-  near.clear();
-  waiting.clear();
-  if (!nodesA.empty() && !nodesB.empty()) waiting.emplace_back(0, 0);
-  while (!waiting.empty()) {
-    const auto [i, j] = waiting.back();
-    waiting.pop_back();
-    if (self && i == j) {
-      descendIntoOne(nodesA[i], waiting);
-    } else if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) <= margin) {
-      if (!isLeaf(nodesA[i]) || !isLeaf(nodesB[j]))
-        descend(a, b, i, j, waiting);
-      else
-        near.push_back(self ? LeafPairs::value_type(std::minmax(i, j)) : LeafPairs::value_type(i, j));
-    }
-  }
+  findNear(a, b, margin, waiting, near, [](std::uint32_t, std::uint32_t) { return false; });
+}
+
+void findLeavesNearEdges(const MovingSurface& a, const MovingSurface& b, double margin,
+                         const std::vector<std::uint8_t>* covered, LeafPairs& waiting, LeafPairs& near) {
+  const SurfaceTopology& t = *b.topology;
+  findNear(a, b, margin, waiting, near, [&](std::uint32_t i, std::uint32_t j) {
+    if (!isLeaf(t.nodes[j])) return false;
+    const SurfaceElement& element = t.elements[t.nodes[j].element];
+    double motion = 0.0;
+    for (const std::uint32_t c : element.corners) motion = std::max(motion, b.motion->col(c).squaredNorm());
+    const NodeBall ball = ballAround(a.boxes->nodes[i]);
+    const double within = margin + b.radius + std::sqrt(motion) + ball.radius;
+    return squaredDistanceFromEdges(b, element, covered, ball.center) > within * within;
+  });
 }
 
 void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
