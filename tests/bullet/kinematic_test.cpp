@@ -437,6 +437,57 @@ double deepestSpring(const SoftBody& cloth, const btTransform& pose, double half
 /// A kinematic box hits a floating cloth with a corner or an edge first. The springs lie on the corner, which
 /// must not cut into them. It did by up to 3.8 cm when edges and triangles collided with kinematic bodies
 /// only once per tick.
+/// The points of a rope that does not slip are at the drum's radius and their own, and turn with it.
+TEST(KinematicDrum, takesATautRopeAlong) {
+  constexpr double kDrum = 0.3, kThick = 0.05, kSpeed = 1.0;  // m, m, rad/s
+  constexpr std::uint32_t kPoints = 40;
+  for (const bool capsule : {true, false}) {
+    BulletWorld bullet(0.0);
+    std::unique_ptr<btCollisionShape> shape;
+    if (capsule)
+      shape = std::make_unique<btCapsuleShapeZ>(btScalar(kDrum), btScalar(1.2));
+    else
+      shape = std::make_unique<btCylinderShapeZ>(vec(kDrum, kDrum, 0.6));
+    btRigidBody* drum = bullet.add(std::move(shape), 0, vec(0, 0, 0));
+    drum->setFriction(1);
+    drum->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    auto loop = std::make_shared<SpringNetwork>();
+    loop->kind = NetworkKind::Rope;
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+      const double angle = 2.0 * test::kPi * i / kPoints;
+      loop->restPoints.push_back((kDrum + kThick) * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0));
+      loop->massFractions.push_back(1.0 / kPoints);
+      if (i > 0) loop->springs.push_back({i - 1, i, SpringKind::Structural, 1.0});
+    }
+    loop->springs.insert(loop->springs.begin() + 1, {0, kPoints - 1, SpringKind::Structural, 1.0});
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.extensionStiffness = s.compressionStiffness = 1e4;
+    s.damping = 10.0;
+    s.friction = 1.0;
+    s.pointRadius = kThick;
+    s.angularVelocity = {0, 0, kSpeed};
+    SoftBody* rope = *system.createBody(loop, s);
+    SoftBodySettings tight = s;
+    tight.scale *= 0.97;
+    ASSERT_TRUE(rope->change(tight));
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+      const Eigen::Vector3d& x = loop->restPoints[i];
+      rope->point(i)->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(x.x(), x.y(), x.z())));
+    }
+    const auto angle = [&] { return std::atan2(rope->position(0).y(), rope->position(0).x()); };
+    double start = 0.0;
+    for (int i = 1; i <= 90; ++i) {
+      drum->setWorldTransform(
+          btTransform(btQuaternion(vec(0, 0, 1), btScalar(kSpeed * i / 60.0)), vec(0, 0, 0)));
+      bullet.tick();
+      if (i == 30) start = angle();
+    }
+    // with the speed of the drum's surface it would turn by 0.857
+    EXPECT_NEAR(angle() - start, kSpeed, 0.002) << capsule;
+  }
+}
+
 TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
   if (!test::kSurface) GTEST_SKIP() << "springs of points do not collide";
   ClothSettings cells;

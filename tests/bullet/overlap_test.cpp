@@ -109,6 +109,31 @@ TEST_F(OverlapTest, ofAStaticSolidItGetsOut) {
     }
 }
 
+/// The nearest ways out of the cube's points lead to all sides of the box.
+TEST_F(OverlapTest, ofAStaticBoxThatIsPutOverItItGetsOut) {
+  enum class Way { Added, Moved, Scaled, Kinematic };
+  for (const Way way : {Way::Added, Way::Moved, Way::Scaled, Way::Kinematic}) {
+    SoftBody* cube = addCube(0, 0.26);
+    separate(0.5, 1.0 / 60.0);
+    auto shape = std::make_unique<btBoxShape>(vec(1, 1, 1));
+    btBoxShape& size = *shape;
+    if (way != Way::Scaled) size.setLocalScaling(vec(1, 0.65, 1));
+    const btVector3 over = vec(0, 0.05, 0), below = vec(0, -5, 0);  // its top is at 0.7 m
+    btRigidBody* box =
+        bullet.add(std::move(shape), 0, way == Way::Added || way == Way::Kinematic ? over : below);
+    if (way == Way::Kinematic) box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    if (way == Way::Scaled) size.setLocalScaling(vec(1, 0.65, 1));
+    if (way == Way::Moved || way == Way::Scaled) {
+      box->setWorldTransform(btTransform(btQuaternion::getIdentity(), over));
+      bullet.world->updateSingleAabb(box);
+    }
+    separate(4.0, 1.0 / 60.0);
+    EXPECT_NEAR(cube->centerOfMass().y(), 0.7 + 0.255, 0.02) << static_cast<int>(way);
+    ASSERT_TRUE(system.destroyBody(cube));
+    bullet.world->removeRigidBody(box);
+  }
+}
+
 /// Without gravity it is pushed out by a tenth of its radius per tick, slower than what may sleep.
 TEST_F(OverlapTest, weightlessItDoesNotSleepInside) {
   bullet.world->setGravity(vec(0, 0, 0));

@@ -397,5 +397,62 @@ TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
   EXPECT_NEAR(impulse * 60 / (3.0 * kGravity), 1.0, 1e-3);
 }
 
+// --- released strings --------------------------------------------------------------------------------------
+
+enum class Ahead { Rod, HeavyRod, Rope };
+
+/// Adds a rod or rope along y at this place, across the way of a bowstring.
+void addAhead(BulletWorld& bullet, SoftBodySystem& system, Ahead kind, double z) {
+  if (kind != Ahead::Rope) {
+    auto rod = std::make_unique<btCapsuleShape>(btScalar(kRadius), btScalar(2));
+    bullet.add(std::move(rod), kind == Ahead::Rod ? 1 : 100, vec(0, 0, z))
+        ->setActivationState(DISABLE_DEACTIVATION);
+    return;
+  }
+  RopeSettings shape;
+  shape.length = 2.0;
+  SoftBodySettings s = test::testedSettings();
+  s.extensionStiffness = 1e4;
+  s.pointRadius = kRadius;
+  s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Eigen::Vector3d::UnitZ());
+  s.position = {0, -1, z};
+  ASSERT_TRUE(system.createBody(*buildRope(shape), s));
+}
+
+/// At rest it has no velocity that tells how far its springs will throw it in the first tick: 19 cm.
+TEST(Bowstring, thatIsLetGoHitsWhatIsInItsWay) {
+  if (!test::kSurface) GTEST_SKIP() << "points of ropes miss each other";
+  constexpr double kDraw = 0.5;
+  for (const Ahead kind : {Ahead::Rod, Ahead::HeavyRod, Ahead::Rope})
+    for (const double gap : {0.05, 0.1})
+      for (const double tick : {1.0 / 60.0, 1.0 / 30.0}) {
+        BulletWorld bullet(0.0);
+        SoftBodySystem system(*bullet.world);
+        SoftBodySettings s = test::testedSettings();
+        s.extensionStiffness = 1000.0;
+        s.compressionStiffness = 0.0;
+        s.totalMass = 0.1;
+        s.pointRadius = kRadius;
+        s.position = {-0.5, 0, 0};
+        SoftBody* string = *system.createBody(*buildRope({}), s);
+        const std::uint32_t last = string->pointCount() - 1, middle = last / 2;
+        for (const std::uint32_t i : {0u, middle, last}) ASSERT_TRUE(string->pin(i));
+        for (int i = 1; i <= 60; ++i) {
+          ASSERT_TRUE(string->movePin(middle, vec(0, 0, -kDraw * i / 60)));
+          bullet.tick();
+        }
+        bullet.simulate(1.0);
+        addAhead(bullet, system, kind, -kDraw + 2.0 * kRadius + gap);
+        for (int i = 0; i < 3; ++i) bullet.tick(tick);
+        ASSERT_TRUE(string->unpin(middle));
+        btVector3 impulse(0, 0, 0);
+        for (int i = 0; i < 4; ++i) {
+          bullet.tick(tick);
+          for (const SoftContact& c : string->contacts()) impulse += c.impulse;
+        }
+        EXPECT_LT(double(impulse.z()), -0.5) << static_cast<int>(kind) << ' ' << gap << ' ' << tick;
+      }
+}
+
 }  // namespace
 }  // namespace limber

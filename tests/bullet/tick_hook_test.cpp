@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 namespace limber {
 namespace {
 
@@ -44,6 +46,29 @@ TEST_F(TickHookTest, chainsAnExistingCallbackAndLeavesItsUserInfoAlone) {
   bullet.simulate(0.5);
   EXPECT_EQ(preTicks, 30);
   EXPECT_EQ(info, 30);
+}
+
+void throwPreTick(btDynamicsWorld*, btScalar) {
+  if (++preTicks == 5) throw std::runtime_error("of the user");
+}
+
+TEST_F(TickHookTest, goesOnAfterAnExceptionOfTheUsersCallback) {
+  bullet.world->setInternalTickCallback(throwPreTick, nullptr, true);
+  SoftBodySystem system(*bullet.world);
+  const SoftBody* body = hangingPair(system);
+  const Eigen::Vector3d start = body->position(1);
+  int thrown = 0;
+  for (int i = 0; i < 30; ++i) {
+    try {
+      bullet.tick();
+    } catch (const std::runtime_error&) {
+      ++thrown;
+      EXPECT_LT((body->position(1) - start).norm(), 0.1);
+    }
+  }
+  EXPECT_EQ(thrown, 1);
+  EXPECT_EQ(preTicks, 30);
+  EXPECT_GT((body->position(1) - start).norm(), 0.2);
 }
 
 TEST_F(TickHookTest, leavesThePostTickSlotToTheUser) {

@@ -58,6 +58,10 @@ void readFromBullet(SoftBodyData& body);
 /// Returns the elastic energy (J) of springs and volumes at the present positions.
 double elasticEnergy(const SoftBodyData& body);
 
+/// Returns the forces (3 x #points, N) of springs and volumes at the present positions. They are computed on
+/// copies, since the next step goes on from what the last one has written.
+Points elasticForces(const SoftBodyData& body);
+
 /// Writes the state to Bullet's objects. Pins keep their targets unless they are moved, too.
 void writeToBullet(SoftBodyData& body, bool pinsMoved = false);
 

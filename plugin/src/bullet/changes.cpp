@@ -54,6 +54,18 @@ double elasticEnergy(const SoftBodyData& body) {
          tetrahedronEnergy(body.tetrahedra, position);
 }
 
+Points elasticForces(const SoftBodyData& body) {
+  PointState state = body.state;
+  SpringArrays springs = body.springs;
+  VolumeArrays volumes = body.volumes;
+  TetrahedronVolumes tetrahedra = body.tetrahedra;
+  SolverBody copy{&state, &springs, nullptr};
+  if (!volumes.empty()) copy.volumes = &volumes;
+  if (!tetrahedra.empty()) copy.tetrahedra = &tetrahedra;
+  computeElasticForces(copy);
+  return state.force;
+}
+
 void writeToBullet(SoftBodyData& body, bool pinsMoved) {
   body.sumsValid = false;
   // the prediction is out of date
@@ -473,6 +485,7 @@ void forgetConstants(SoftBodyData& body) {
   body.springBatches.reset();
   body.implicit.reset();
   body.frequencyStale = true;
+  body.surface.freed = true;
   // groups have pointers to these
   *body.groupsStale = true;
 }

@@ -165,6 +165,11 @@ void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
   HeldPartner& held = body.heldPartners.emplace_back();
   held.handle = handleOf(partner);
   held.box = boxOf(partner);
+  held.came =
+      std::none_of(body.lastHeldPartners.begin(), body.lastHeldPartners.end(), [&](const HeldPartner& last) {
+        return last.handle.object == held.handle.object && last.handle.id == held.handle.id &&
+               last.box.min() == held.box.min() && last.box.max() == held.box.max();
+      });
   if (isMoved(partner)) {
     held.stamp = stampOf(partner);
   } else if (const std::optional<HeldPiece> solid = solidOf(partner)) {
@@ -315,6 +320,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contactPartners.clear();
   body.held.pieces.clear();
   body.neighbourhoodCount = 0;
+  std::swap(body.heldPartners, body.lastHeldPartners);
   body.heldPartners.clear();
   body.speeds = contactSpeeds(body, double(tick));
   body.watch->start(tick);

@@ -287,6 +287,7 @@ void gatherPoints(SoftBodyData& body, btScalar tick, bool allHeld) {
       gatherHeld(body, i, tick);
     else
       absorbChange(body, i);
+    if (m.held[i] && !held) body.surface.freed = true;
     m.held[i] = held;
     updateInverseMass(body, i);
     remember(m, i);
@@ -409,6 +410,7 @@ void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned) {
   body.state.velocity.col(i) = pinned ? Eigen::Vector3d::Zero() : Eigen::Vector3d(body.state.velocity.col(i));
   point->setLinearVelocity(toBullet(body.state.velocity.col(i)));
   body.masses.held[i] = pinned;
+  if (!pinned) body.surface.freed = true;
   body.masses.placed = true;
   remember(body.masses, i);
 }

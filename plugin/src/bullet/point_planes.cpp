@@ -121,10 +121,11 @@ struct PlaneRows {
   void add(const Vector3d& normal, const btVector3& surface) {
     PlaneContact row = makeRow();
     row.normal = normal.normalized();
-    const SurfaceVelocity motion = surfaceVelocityOf(
-        partner, kinematicDisplacement(partner, toEigen(surface)), row.normal, double(tick));
-    row.surfaceVelocity = motion.velocity, row.surfaceAcceleration = motion.acceleration;
     row.touch = toEigen(surface) + (radius() - standingDepth(*body.world, partner, row.normal)) * row.normal;
+    // what does not slide turns with the object, and its point masses with it: their centres are farther out
+    const SurfaceVelocity motion =
+        surfaceVelocityOf(partner, kinematicDisplacement(partner, row.touch), row.normal, double(tick));
+    row.surfaceVelocity = motion.velocity, row.surfaceAcceleration = motion.acceleration;
     for (std::size_t i = first; i < body.contacts.size(); ++i)
       if (body.contacts[i].normal.dot(row.normal) > kSameSurface) {
         if (gap(row) < gap(body.contacts[i])) body.contacts[i] = row;
@@ -420,12 +421,14 @@ PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedB
 }  // namespace
 
 void findWaysOut(SoftBodyData& body) {
-  if (!isSurfaceBody(body) || body.surface.overlapTicks == 0 || !isSolid(body.model->topology)) return;
+  if (!isSurfaceBody(body) || !isSolid(body.model->topology)) return;
   const double deepest = -2.0 * radiusOf(body);
+  const bool wasOverlapping = body.surface.overlapTicks > 0;
   for (std::size_t p = 0; p < body.partners.size(); ++p) {
     HeldPartner& held = body.heldPartners[p];
     const btCollisionShape& shape = *body.partners[p]->getCollisionShape();
-    if (held.solid == HeldPartner::kNoSolid || !shape.isConvex() || isAttached(body, *body.partners[p]))
+    if (!(wasOverlapping || held.came) || held.solid == HeldPartner::kNoSolid || !shape.isConvex() ||
+        isAttached(body, *body.partners[p]))
       continue;
     bool overlaps = false;
     for (std::uint32_t i = 0; i < pointCount(body) && !overlaps; ++i)

@@ -37,7 +37,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 6, 6};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 7, 7};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -151,7 +151,7 @@ struct BodyState {
   std::vector<double> yieldedLength;                      ///< #springs, in the network's order, m, or empty
   std::vector<std::uint8_t> broken;                       ///< #springs, likewise, or empty
   Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();
-  bool asleep = false;
+  bool asleep = false, freed = false;
   double calmTime = 0.0, softenedTo = 0.0, errorPerSecond = 0.0, errorCoefficient = 0.0;
   std::vector<double> softenedMass;  ///< 3 x #points, inverse masses for which it was softened, or empty
   RateHistory rates;
@@ -193,6 +193,7 @@ void transferState(Stream& stream, State& s) {
   stream.array("broken springs", s.broken);
   transferVector(stream, "frame", s.frame.coeffs());
   transferFlag(stream, "sleep", s.asleep);
+  transferFlag(stream, "release", s.freed);
   stream.value("overlap", s.overlapTicks);
   for (auto* number : {&s.calmTime, &s.softenedTo, &s.errorPerSecond, &s.errorCoefficient})
     stream.value("measures", *number);
@@ -353,6 +354,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.jointLinear = body.surface.joints.linear;
   s.jointAngular = body.surface.joints.angular;
   s.asleep = body.asleep;
+  s.freed = body.surface.freed;
   s.overlapTicks = body.surface.overlapTicks;
   s.calmTime = body.calmTime;
   s.errorPerSecond = body.errorPerSecond;
@@ -519,6 +521,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   updateQueryBoxes(body);
   // writing has iterated further
   body.surface.frame = s.frame;
+  body.surface.freed = s.freed;
   body.surface.overlapTicks = s.overlapTicks;
   if (s.asleep) putToSleep(body);
   restoreContacts(body, s);

@@ -260,22 +260,14 @@ const PointState& current(SoftBodyData& data) {
 
 namespace {
 
-/// Returns the force (N) of springs, dampers and volumes on point i. It is computed on copies, since the next
-/// step goes on from what the last one has written.
-Eigen::Vector3d innerForce(const SoftBodyData& body, const PointState& now, std::uint32_t i) {
-  PointState state = now;
-  SpringArrays springs = body.springs;
-  VolumeArrays volumes = body.volumes;
-  TetrahedronVolumes tetrahedra = body.tetrahedra;
-  SolverBody copy{&state, &springs, nullptr};
-  if (!volumes.empty()) copy.volumes = &volumes;
-  if (!tetrahedra.empty()) copy.tetrahedra = &tetrahedra;
-  computeElasticForces(copy);
-  Eigen::Vector3d force = state.force.col(i);
+/// Returns the force (N) of springs, dampers and volumes on point i.
+Eigen::Vector3d innerForce(const SoftBodyData& body, const PointState& state, std::uint32_t i) {
+  const SpringArrays& springs = body.springs;
+  Eigen::Vector3d force = elasticForces(body).col(i);
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const std::uint32_t a = springs->a[s], b = springs->b[s];
     if (a != i && b != i) continue;
-    const Eigen::Vector3d axis = springs.direction.col(static_cast<Eigen::Index>(s));
+    const Eigen::Vector3d axis = (state.position.col(b) - state.position.col(a)).normalized();
     const Eigen::Vector3d opening = state.velocity.col(a == i ? b : a) - state.velocity.col(i);
     force += springs->damping[s] * axis.dot(opening) * axis;
   }

@@ -111,6 +111,7 @@ struct HeldPartner {
   ObjectHandle handle;
   Eigen::AlignedBox3d box;  ///< m
   std::uint64_t stamp = 0;  ///< see stampOf(); 0 if the object is at rest
+  bool came = true;         ///< it was not near in the last tick, or elsewhere, or of another size
 
   static constexpr std::size_t kNoSolid = static_cast<std::size_t>(-1);
   std::size_t solid = kNoSolid;  ///< index in SoftBodyData::held of its only piece, if it is
@@ -175,6 +176,8 @@ struct SurfaceData {
   SweptBounds presentBounds;            ///< of the present tick, if awake: they depend on the state alone
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
 
+  bool freed = false;     ///< since the last tick, something that held points has let go of them
+  Points freedMotion;     ///< 3 x #points, m: what the springs add to `motion` after that; else empty
   Points motion;          ///< 3 x #points, m, predicted displacement in the tick
   Points positionInStep;  ///< 3 x #points, m, current positions during a step
   SurfaceBoxes boxes;
@@ -283,6 +286,7 @@ struct SoftBodyData {
   ContactSpeeds speeds;                            ///< of the present tick
   std::vector<const btCollisionObject*> partners;  ///< static and kinematic, near in this tick
   std::vector<HeldPartner> heldPartners;           ///< #partners, or empty
+  std::vector<HeldPartner> lastHeldPartners;       ///< those of the last tick
   std::vector<ObjectHandle> sensors;               ///< near in this tick, see addSensor()
   std::vector<btRigidBody*> freePartners;          ///< near in this tick, neither static nor kinematic
   std::vector<SoftBodyData*> softPartners;         ///< near in this tick, with surfaces

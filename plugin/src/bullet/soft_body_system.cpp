@@ -265,7 +265,10 @@ void SoftBodySystem::Impl::wakeEnds(const SpringConstraint& spring, const btRigi
   const btCollisionObjectArray& objects = world->getCollisionObjectArray();
   for (btRigidBody* end : {spring.endA().body, spring.endB().body}) {
     if (!end || end == butNot) continue;
-    if (SoftBody* body = ownerOf(*end)) body->wake();
+    if (SoftBody* body = ownerOf(*end)) {
+      body->data_->surface.freed = true;
+      body->wake();
+    }
     if (objects.findLinearSearch(end) < objects.size()) end->activate();
   }
 }
@@ -398,6 +401,7 @@ bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   const auto it = findAnchor(anchors, i);
   if (it == anchors.end()) return false;
   anchors.erase(it);
+  softBody->data_->surface.freed = true;
   softBody->wake();
   step->forgetGroups();
   return true;

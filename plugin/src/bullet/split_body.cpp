@@ -87,6 +87,7 @@ void forgetShape(SoftBodyData& body) {
   body.contacts.clear();
   body.contactPartners.clear();
   body.heldPartners.clear();
+  body.lastHeldPartners.clear();
   body.report = ContactReport();
   body.energyLimit = EnergyLimit();
   body.rateHistory = RateHistory();

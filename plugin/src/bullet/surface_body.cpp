@@ -359,10 +359,39 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   if (s.pushed || !isSound(gravity)) restoreAccelerations(body);
 }
 
+namespace {
+
+/// Sets the displacements that the springs will cause in a tick that begins with strained springs and points
+/// that have just been let go: other ticks begin with the velocities that the springs have caused so far.
+/// They are at most those of points that each have the whole elastic energy.
+void predictFreedMotion(SoftBodyData& body, double tick) {
+  const bool freed = std::exchange(body.surface.freed, false);
+  Points& motion = body.surface.freedMotion;
+  if (!freed) return motion.resize(3, 0);
+  motion = tick * tick * body.state.inverseMass.cwiseProduct(elasticForces(body));
+  if (!body.volumes.empty()) return;
+  const double energy = std::max(0.0, elasticEnergy(body));
+  for (Eigen::Index i = 0; i < motion.cols(); ++i) {
+    const double farthest = tick * std::sqrt(2.0 * energy * body.state.inverseMass.col(i).maxCoeff());
+    const double length = motion.col(i).norm();
+    if (length > farthest) motion.col(i) *= farthest / length;
+  }
+}
+
+}  // namespace
+
 bool updateBroadphaseBox(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
-  const bool isPredicted = !body.masses.exposed && s.sweptBounds.tick == double(tick);
+  predictFreedMotion(body, double(tick));
+  const bool isFreed = s.freedMotion.cols() > 0;
+  const bool isPredicted = !isFreed && !body.masses.exposed && s.sweptBounds.tick == double(tick);
   s.presentBounds = isPredicted ? s.sweptBounds : sweptBoundsOf(body, double(tick));
+  if (isFreed) {
+    const double farthest = std::sqrt(s.freedMotion.colwise().squaredNorm().maxCoeff());
+    s.presentBounds.box.min().array() -= farthest;
+    s.presentBounds.box.max().array() += farthest;
+    s.presentBounds.maxDisplacement += farthest;
+  }
   return !isPredicted && extendBox(body, s.presentBounds);
 }
 

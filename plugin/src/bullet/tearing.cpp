@@ -63,6 +63,7 @@ void removeSpring(SoftBodyData& body, std::size_t spring) {
   if (!body.springs.yielded) body.springs.yielded = std::make_shared<SpringConstants>(*body.springs.original);
   breakSpring(body.springs, spring);
   ++body.springs.revision;
+  body.surface.freed = true;
   *body.groupsStale = true;
 }
 

@@ -297,6 +297,7 @@ void SoftBodySystem::Impl::WorldStep::takeAnchors(LinkedGroup& group, double tic
     if (!(anchor->breakForce > 0.0 && force > anchor->breakForce)) continue;
     body.brokenAnchors.push_back({body.handle, anchor->point, anchor->body, force});
     body.anchors.erase(anchor);
+    body.surface.freed = true;
     groupsStale = true;
   }
 }
@@ -318,8 +319,11 @@ void SoftBodySystem::Impl::WorldStep::afterTick(btScalar tick) {
   });
   for (LinkedGroup* group : awake) {
     if (group->hasWorldPoints) readGroupFromBullet(*group, tick);
-    for (std::size_t i = 0; i < group->springs.size(); ++i)
+    for (std::size_t i = 0; i < group->springs.size(); ++i) {
       takeLink(*group->springs[i], group->step.links.springs[i]);
+      if (!group->springs[i]->broken()) continue;
+      for (SoftBodyData* body : group->bodies) body->surface.freed = true;
+    }
     takeAnchors(*group, double(tick));
   }
   for (const Island& island : islands) readIslandFromBullet(island, pairs, *world, tick);

@@ -38,6 +38,18 @@ TickHook* findHook(HookList& list, btDynamicsWorld* world) {
   return nullptr;
 }
 
+/// Adds 1 during its lifetime, also if a user's callback throws.
+class During {
+ public:
+  explicit During(int& count) : count_(count) { ++count_; }
+  ~During() { --count_; }
+  During(const During&) = delete;
+  During& operator=(const During&) = delete;
+
+ private:
+  int& count_;
+};
+
 }  // namespace
 
 TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool pretick) {
@@ -98,7 +110,7 @@ void TickHook::preTick(btDynamicsWorld* world, btScalar tick) {
     hook = findHook(list, world);
   }
   // a callback that replaced ours and then became our previous one may call us again
-  if (!hook || hook->inTick_) return;
+  if (!hook || hook->ticks_ > 0) return;
   hook->beforeTick(tick);
   const std::lock_guard<std::mutex> lock(list.mutex);
   if (hook->calls_ == 0) hook->detachIfUnused();
@@ -107,21 +119,17 @@ void TickHook::preTick(btDynamicsWorld* world, btScalar tick) {
 /// Also calls listeners that are added during the calls.
 template <class Call>
 void TickHook::callEach(Call call) {
-  ++calls_;
+  const During called(calls_);
   for (std::size_t i = 0; i < listeners_.size(); ++i)
     if (const Entry entry = listeners_[i]; entry.listener) call(*entry.listener, entry.pretick);
-  --calls_;
 }
 
 void TickHook::beforeTick(btScalar tick) {
-  inTick_ = true;
-  ++calls_;
+  const During inTick(ticks_), called(calls_);
   if (previous_) previous_(world_, tick);
-  --calls_;
   callEach([&](TickListener& listener, bool pretick) {
     if (pretick) listener.beforeTick(tick);
   });
-  inTick_ = false;
   sawTick_ = true;
 }
 

@@ -74,7 +74,7 @@ class TickHook final : public btActionInterface {
   std::vector<Entry> listeners_;
   int calls_ = 0;  // active ones: during them, listeners and callbacks may be added and removed, and destroy
                    // each other
-  bool inTick_ = false;
+  int ticks_ = 0;  // active ones, 0 or 1
   bool sawTick_ = false;
 };
 
