@@ -370,5 +370,36 @@ TEST(SurfaceLife, aBodyThatTheApplicationAddsAgainFallsOn) {
       EXPECT_EQ(heightOfPooled(out, asRigid), height) << out << asRigid;
 }
 
+TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
+  BulletWorld other(0.0);
+  btRigidBody* object = nullptr;
+  {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    SoftBody* body = *system.createBody(test::cubeNetwork(), {});
+    btRigidBody* rigid = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1, test::vec(3, 0, 0));
+    ASSERT_TRUE(system.addSpring({rigid, test::vec(0, 0, 0)}, {nullptr, test::vec(3, 1, 0)}));
+    bullet.simulate(0.1);
+    const Eigen::Vector3d place = body->centerOfMass();
+    object = body->surfaceObject();
+    for (btRigidBody* moved : {object, rigid}) {
+      bullet.world->removeRigidBody(moved);
+      other.world->addRigidBody(moved);
+    }
+    rigid->setLinearVelocity(test::vec(0, 0, 0));
+    EXPECT_FALSE(body->alive());
+    bullet.simulate(0.5);
+    EXPECT_EQ(body->centerOfMass(), place);
+    EXPECT_EQ(rigid->getLinearVelocity(), test::vec(0, 0, 0)) << "by the spring of its former world";
+    EXPECT_TRUE(system.destroyBody(body));
+    other.world->removeRigidBody(rigid);
+    bullet.world->addRigidBody(rigid);
+  }
+  // it is left to whoever has moved it
+  other.simulate(0.1);
+  other.world->removeRigidBody(object);
+  delete object;
+}
+
 }  // namespace
 }  // namespace limber

@@ -280,8 +280,11 @@ bool anyInWorld(const SoftBodyData& body) {
 }
 
 bool wholeInWorld(const SoftBodyData& body) {
-  if (isSurfaceBody(body)) return isInWorld(body.surface.object);
-  return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
+  const auto isHere = [&](const btRigidBody* object) {
+    return isInWorld(object) && !isElsewhere(*object, *body.world);
+  };
+  if (isSurfaceBody(body)) return isHere(body.surface.object);
+  return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isHere);
 }
 
 bool isAlive(SoftBodyData& body) {

@@ -175,6 +175,15 @@ inline ObjectHandle handleOf(const btCollisionObject& object) {
   return {&object, object.getWorldArrayIndex(), object.getBroadphaseHandle()->m_uniqueId};
 }
 
+/// Returns whether the object is in a world other than this one.
+inline bool isElsewhere(const btCollisionObject& object, const btCollisionWorld& world) {
+  if (!object.getBroadphaseHandle()) return false;
+  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+  const int index = object.getWorldArrayIndex();
+  if (index >= 0 && index < objects.size() && objects[index] == &object) return false;
+  return objects.findLinearSearch(const_cast<btCollisionObject*>(&object)) == objects.size();
+}
+
 /// Returns whether the same object is still in the world. Only then may its pointer be dereferenced.
 inline bool isValid(const btCollisionWorld& world, const ObjectHandle& handle) {
   const btCollisionObjectArray& objects = world.getCollisionObjectArray();

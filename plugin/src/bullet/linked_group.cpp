@@ -133,26 +133,28 @@ void addSpring(LinkedGroup& group, SpringConstraint* spring) {
   group.springs.push_back(spring);
 }
 
-bool usable(const SpringEnd& end) {
-  if (!end.body) return true;
-  const PointMass* point = PointMass::from(end.body);
-  return point ? point->owner() && point->owner()->alive : end.body->isInWorld();
+bool usable(const btRigidBody& held, const btCollisionWorld& world) {
+  return held.isInWorld() && !isElsewhere(held, world);
 }
 
-bool usable(const Anchor& anchor) { return anchor.body->isInWorld(); }
+bool usable(const SpringEnd& end, const btCollisionWorld& world) {
+  if (!end.body) return true;
+  const PointMass* point = PointMass::from(end.body);
+  return point ? point->owner() && point->owner()->alive : usable(*end.body, world);
+}
 
-bool usable(const SpringConstraint& spring) {
-  return !spring.broken() && usable(spring.endA()) && usable(spring.endB());
+bool usable(const SpringConstraint& spring, const btCollisionWorld& world) {
+  return !spring.broken() && usable(spring.endA(), world) && usable(spring.endB(), world);
 }
 
 /// Returns 0 if the link is not usable, otherwise 1 plus a bit for each end that is static.
-unsigned char stateOf(const Anchor& anchor) {
-  return usable(anchor) ? static_cast<unsigned char>(1 + 2 * isStatic(*anchor.body)) : 0;
+unsigned char stateOf(const Anchor& anchor, const btCollisionWorld& world) {
+  return usable(*anchor.body, world) ? static_cast<unsigned char>(1 + 2 * isStatic(*anchor.body)) : 0;
 }
 
-unsigned char stateOf(const SpringConstraint& spring) {
+unsigned char stateOf(const SpringConstraint& spring, const btCollisionWorld& world) {
   const auto joinsNothing = [](const SpringEnd& end) { return end.body && isStatic(*end.body); };
-  if (!usable(spring)) return 0;
+  if (!usable(spring, world)) return 0;
   return static_cast<unsigned char>(1 + 2 * joinsNothing(spring.endA()) + 4 * joinsNothing(spring.endB()));
 }
 
@@ -173,7 +175,7 @@ void setStiffness(LinkSpring& link, const SpringConstraint& spring, double share
   link.compressionStiffness = s.action == SpringAction::ExtensionOnly ? 0.0 : share * s.stiffness;
 }
 
-bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
+bool updateUsableLinks(const btCollisionWorld& world, const std::vector<SoftBodyData*>& bodies,
                        const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links) {
   std::size_t count = 0;
   bool changed = false;
@@ -182,27 +184,29 @@ bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
     changed = changed || links[count] != state;
     links[count++] = state;
   };
-  for (const SpringConstraint* spring : springs) update(stateOf(*spring));
+  for (const SpringConstraint* spring : springs) update(stateOf(*spring, world));
   for (const SoftBodyData* body : bodies)
-    for (const Anchor& anchor : body->anchors) update(stateOf(anchor));
+    for (const Anchor& anchor : body->anchors) update(stateOf(anchor, world));
   changed = changed || links.size() != count;
   links.resize(count);
   return changed;
 }
 
-std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
+std::vector<LinkedGroup> makeLinkedGroups(const btCollisionWorld& world,
+                                          const std::vector<SoftBodyData*>& bodies,
                                           const std::vector<SpringConstraint*>& springs) {
   LinkedNodes nodes(bodies);
   std::vector<std::size_t> springNode(springs.size(), kNoNode);
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    if (!usable(*springs[i])) continue;
+    if (!usable(*springs[i], world)) continue;
     const std::size_t a = nodeOf(springs[i]->endA(), nodes), b = nodeOf(springs[i]->endB(), nodes);
     if (a != kNoNode && b != kNoNode) nodes.join(a, b);
     springNode[i] = a != kNoNode ? a : b;
   }
   for (SoftBodyData* body : bodies)
     for (const Anchor& anchor : body->anchors)
-      if (usable(anchor) && !isStatic(*anchor.body)) nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
+      if (usable(*anchor.body, world) && !isStatic(*anchor.body))
+        nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
 
   std::map<std::size_t, LinkedGroup> groups;
   for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);
@@ -211,7 +215,7 @@ std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodi
   for (SoftBodyData* body : bodies) {
     LinkedGroup& group = groups[nodes.root(nodes.soft(body))];
     for (Anchor& anchor : body->anchors)
-      if (usable(anchor))
+      if (usable(*anchor.body, world))
         group.step.links.anchors.push_back(
             {pointEnd(group, body, anchor.point), rigidEnd(group, anchor.body, anchor.pivot)});
       else

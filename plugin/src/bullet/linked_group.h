@@ -52,7 +52,8 @@ using SpringList = std::vector<std::unique_ptr<SpringConstraint>>;
 
 /// Returns the groups of these bodies and springs, in the order of their first bodies, then of their first
 /// springs. A group is asleep if all its bodies are asleep.
-std::vector<LinkedGroup> makeLinkedGroups(const std::vector<SoftBodyData*>& bodies,
+std::vector<LinkedGroup> makeLinkedGroups(const btCollisionWorld& world,
+                                          const std::vector<SoftBodyData*>& bodies,
                                           const std::vector<SpringConstraint*>& springs);
 
 /// Sets the stiffness of a link to a share of its settings.
@@ -67,7 +68,7 @@ bool isWhole(const LinkedGroup& group);
 
 /// Finds which springs and anchors have both ends in the world, and which of these ends are static. Writes
 /// the result to `links` and returns whether `links` has changed. The groups must then be made again.
-bool updateUsableLinks(const std::vector<SoftBodyData*>& bodies,
+bool updateUsableLinks(const btCollisionWorld& world, const std::vector<SoftBodyData*>& bodies,
                        const std::vector<SpringConstraint*>& springs, std::vector<unsigned char>& links);
 
 // The stages of a tick, see body_in_world.h. gatherBodies() comes first for all groups, because the contacts

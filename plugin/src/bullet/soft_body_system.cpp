@@ -32,15 +32,6 @@ bool isValidPivot(const btVector3& place) {
   return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxPivotDistance;
 }
 
-/// Returns whether the body is in a world other than this one.
-bool isElsewhere(const btRigidBody& body, const btCollisionWorld& world) {
-  if (!body.isInWorld()) return false;
-  const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-  const int index = body.getWorldArrayIndex();
-  if (index >= 0 && index < objects.size() && objects[index] == &body) return false;
-  return objects.findLinearSearch(const_cast<btRigidBody*>(&body)) == objects.size();
-}
-
 /// Returns the reason why a link of the systems with this step cannot be attached to a body; empty if it can.
 std::string whyNotHeld(const btRigidBody* body, const btCollisionWorld& world, const void* step) {
   if (SurfaceObject::from(body))

@@ -253,8 +253,10 @@ void removeSurface(SoftBodyData& body) {
   if (SurfaceObject* object = body.surface.object) {
     object->setOwner(nullptr);
     // the world's destructor removes the broadphase handle: an object without one must not access the world
-    if (object->isInWorld()) body.world->removeRigidBody(object);
-    delete object;
+    // in another world it is left to the user
+    const bool elsewhere = object->isInWorld() && isElsewhere(*object, *body.world);
+    if (object->isInWorld() && !elsewhere) body.world->removeRigidBody(object);
+    if (!elsewhere) delete object;
     body.surface.object = nullptr;
   }
   deletePointMasses(body);

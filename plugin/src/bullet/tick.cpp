@@ -114,12 +114,12 @@ void SoftBodySystem::Impl::WorldStep::divideBodies() {
 
 void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
   for (const LinkedGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
-  groupsStale = updateUsableLinks(living, springs, usableLinks) || groupsStale;
+  groupsStale = updateUsableLinks(*world, living, springs, usableLinks) || groupsStale;
   if (!groupsStale) return;
   updateLiving();
   updateBoxesAfterRollback();
-  groups = makeLinkedGroups(living, springs);
-  updateUsableLinks(living, springs, usableLinks);
+  groups = makeLinkedGroups(*world, living, springs);
+  updateUsableLinks(*world, living, springs, usableLinks);
   groupsStale = false;
 }
 
