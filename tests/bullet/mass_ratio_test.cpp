@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Light bodies between far heavier ones.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
 #include "support/small_meshes.h"
 
 #include <limber/network_builder.h>
@@ -164,6 +166,59 @@ TEST(SurfaceMassRatio, aKinematicBallSinksIntoNoBracedCube) {
   }
   // the sag of an edge under the ball is 8 mm
   EXPECT_LT(deepest, 0.001);
+}
+
+double energyOf(const btRigidBody& body) {
+  const double mass = double(body.getMass());
+  return mass * (0.5 * double(body.getLinearVelocity().length2()) +
+                 test::kGravity * double(body.getWorldTransform().getOrigin().y()));
+}
+
+/// Its points of 7 g swing under the ball of 50 kg and turn the triangles on it. What that closes of their
+/// gaps must not add up.
+TEST(SurfaceMassRatio, aHeavyBallSinksIntoNoTrampoline) {
+  constexpr double kBall = 0.3, kThin = 0.005;  // m
+  constexpr std::uint32_t kCells = 16;
+  for (const double tick : {1.0 / 60.0, 1.0 / 240.0}) {
+    BulletWorld bullet;
+    SoftBodySystem system(*bullet.world);
+    ClothSettings grid;
+    grid.width = grid.depth = 4.0;
+    grid.columns = grid.rows = kCells;
+    SoftBodySettings s;
+    s.totalMass = 2.0;
+    s.extensionStiffness = s.compressionStiffness = 5000.0;
+    s.damping = s.friction = 0.0;
+    s.flow.drag = s.flow.linearDrag = 0.0;
+    s.pointRadius = kThin;
+    SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
+    for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) {
+      const std::uint32_t x = i % (kCells + 1), z = i / (kCells + 1);
+      if (x % kCells == 0 || z % kCells == 0) cloth->pin(i);
+    }
+    btRigidBody* ball =
+        bullet.add(std::make_unique<btSphereShape>(btScalar(kBall)), 50, vec(0, 1.5 + kBall + kThin, 0));
+    ball->setActivationState(DISABLE_DEACTIVATION);
+    const double start = energyOf(*ball);
+    double deepest = 0.0;
+    for (double time = 0.0; time < 1.0; time += tick) {
+      bullet.tick(tick);
+      const Eigen::Vector3d centre = test::eigen(ball->getWorldTransform().getOrigin());
+      for (const Triangle& t : cloth->network().surface)
+        for (int a = 0; a <= 4; ++a)
+          for (int b = 0; a + b <= 4; ++b) {
+            const Eigen::Vector3d p = (a * cloth->position(t[0]) + b * cloth->position(t[1]) +
+                                       (4 - a - b) * cloth->position(t[2])) /
+                                      4.0;
+            deepest = std::max(deepest, kBall + kThin - (p - centre).norm());
+          }
+    }
+    EXPECT_LT(deepest, 0.01) << tick;
+    const double potential = 2.0 * test::kGravity * cloth->centerOfMass().y();
+    const double end = energyOf(*ball) + cloth->kineticEnergy() + cloth->elasticEnergy() + potential;
+    // falling for 0.55 s in Bullet's ticks of 1/60 s, the ball loses 2.5 % of it: M g v tick / 2
+    EXPECT_NEAR(end / start, 1.0, 0.06) << tick;
+  }
 }
 
 }  // namespace

@@ -186,8 +186,9 @@ inline bool isPinched(const IslandConstraints& rows, const ContactConstraint& ro
 inline void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, bool anchored,
                       double dt, double tick) {
   row.softness = isOfPoint(c) && !isPinched(rows, row) ? 0.0 : kSoftness;
-  row.target = minSpeed(row.gap, c.recoverySpeed + yieldOf(c, row), dt);
-  row.freeSpeed = kFreeRecovery * c.recoverySpeed;
+  const double closing = std::exchange(row.closing, 0.0) / dt;
+  row.target = minSpeed(row.gap, c.recoverySpeed + yieldOf(c, row) + closing, dt);
+  row.freeSpeed = kFreeRecovery * c.recoverySpeed + closing;
   row.maxWork = maxRecoveryWork(rows, c, row, anchored, dt / tick);
   row.bounces = false;
   if (!(c.restitution > 0.0)) return;

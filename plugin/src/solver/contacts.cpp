@@ -385,7 +385,9 @@ void followBall(IslandConstraints& rows, std::size_t index, const LinkedBodies& 
   setSpeeds(rows.rotations[row.firstRotation], row, -contact.b.arm);
   const Vector3d speeds = inAxes(row, contact.a.velocity - contact.b.velocity);
   row.surfaceSpeeds = {speeds[0], speeds[1], speeds[2]};
-  row.gap = offset.norm() - contact.spheres;
+  const double gap = offset.norm() - contact.spheres;
+  row.closing += std::max(0.0, row.gap - gap);
+  row.gap = gap;
   const Eigen::Map<const Matrix3d> axes(row.axes[0]);  // its columns
   setMobility(row, Mobility::from(axes.transpose() * mobilityOf(rows, row, contact, bodies) * axes));
 }

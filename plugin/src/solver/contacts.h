@@ -183,6 +183,7 @@ struct alignas(64) ContactConstraint : ContactTarget {
   std::uint32_t beside = kNoRow;  ///< another row of the same point, both with static or kinematic objects
   Couple couple;
   double gap;                    ///< m
+  double closing = 0.0;          ///< m, by which turning features have closed it in the last substep
   double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
   double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
   double lastVelocity[3];        ///< m/s, of side a relative to b at the end of the last substep; of contacts
