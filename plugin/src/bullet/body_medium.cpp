@@ -363,8 +363,9 @@ void dampByWaves(const SoftBodyData& body, BodyMedium& medium, const WaterPlane&
       addDrag(medium.drag, i, 0.0, plane.up, kWaveDrag * massOf(body.state.inverseMass, i), flow);
 }
 
-/// Rate of the drag times tick, up to which the speeds are those of the middle of the tick, and from which on
-/// they are those of the middle of the last one.
+/// Rate of the drag times tick, up to which the speeds are those of the middle of the tick. Stronger drag in
+/// air alone is computed several times within the tick; in water, from the second value on, by the speeds in
+/// the middle of the last tick.
 constexpr double kWeakDrag = 0.5, kStrongDrag = 1.0;
 
 /// Returns the velocities so many ticks after the start of this one, if they change as in the last tick.
@@ -372,6 +373,18 @@ const Points& velocityAhead(const SoftBodyData& body, BodyMedium& medium, double
   if (body.startVelocity.cols() != body.state.velocity.cols()) return body.state.velocity;
   medium.velocity = body.state.velocity + ticks * (body.state.velocity - body.startVelocity);
   return medium.velocity;
+}
+
+/// Has the drag in air computed again so often that it changes little in between. `time` (s): that in which
+/// it changes the velocities.
+void updateWithinTick(const SoftBodyData& body, BodyMedium& medium, const Flow& air, double time) {
+  DragUpdates& u = medium.drag.updates;
+  u.interval = kWeakDrag * time;
+  u.parts = &body.model->parts;
+  u.diameter = 2.0 * radiusOf(body);
+  u.air = air;
+  u.inverseMass = &body.state.inverseMass;
+  u.position = &medium.predicted, u.velocity = &medium.velocity;
 }
 
 /// Adds the drag by the flow past the parts in the middle of the tick to a cleared one: its error falls with
@@ -386,6 +399,7 @@ void addFlowDrag(const SoftBodyData& body, BodyMedium& medium, const Flow& air, 
   };
   addWith(0.5);
   const double strength = tick * limitDrag(medium.drag, body.state.inverseMass);
+  if (strength > kWeakDrag && !plane.isThere()) return updateWithinTick(body, medium, air, tick / strength);
   const double back = std::clamp((strength - kWeakDrag) / (kStrongDrag - kWeakDrag), 0.0, 1.0);
   if (back == 0.0) return;
   clearDrag(medium.drag, body.state.position.cols());
@@ -437,6 +451,7 @@ PointDrag* surroundBody(SoftBodyData& body, double tick) {
   if (!inAir && !plane.isThere() && rate == 0.0) return nullptr;
   BodyMedium& medium = mediumOf(body);
   medium.drag.rate = rate;
+  medium.drag.updates.interval = 0.0;
   medium.predicted = body.state.position + 0.5 * tick * body.state.velocity;
   Flow air = airOf(body), water;
   if (inAir) setWindOfPoints(body, medium, tick, air);

@@ -107,16 +107,6 @@ double limitDrag(PointDrag& drag, const Points& inverseMass) {
   return fastest;
 }
 
-void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
-  if (!drag.measured) {
-    applyAll<MotionChange<false>>(drag, points, count, dt);
-    return;
-  }
-  const auto change = applyAll<MotionChange<true>>(drag, points, count, dt);
-  drag.work += change.energy;
-  drag.impulse += Eigen::Map<const Eigen::Vector3d>(change.momentum);
-}
-
 // --- air and water -----------------------------------------------------------------------------------------
 
 namespace {
@@ -280,6 +270,45 @@ double addBuoyancy(const std::vector<Triangle>& closed, const Points& position, 
       force.col(t[k]) -= plane.weight * integral.moments[static_cast<Eigen::Index>(k)] * area;
   }
   return planeArea;
+}
+
+// --- the drag of a substep ---------------------------------------------------------------------------------
+
+namespace {
+
+/// Computes the drag in air of the middle of the coming interval.
+void updateDrag(PointDrag& drag, const PointView& points, Eigen::Index count) {
+  DragUpdates& u = drag.updates;
+  Points &x = *u.position, &v = *u.velocity;
+  x.resize(3, count), v.resize(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    v.col(i) = points.velocityOf(static_cast<std::uint32_t>(i));
+    x.col(i) = points.positionOf(static_cast<std::uint32_t>(i)) + 0.5 * u.interval * v.col(i);
+  }
+  clearDrag(drag, count);
+  addDragOfParts(*u.parts, u.diameter, {x, v}, u.air, Flow(), WaterPlane(), drag);
+  limitDrag(drag, *u.inverseMass);
+  u.since = 0.0;
+}
+
+}  // namespace
+
+void startDrag(PointDrag& drag, const PointView& points, Eigen::Index count) {
+  drag.work = 0.0;
+  drag.impulse.setZero();
+  if (drag.updates.interval > 0.0) updateDrag(drag, points, count);
+}
+
+void applyDrag(PointDrag& drag, const PointView& points, Eigen::Index count, double dt) {
+  if (drag.measured) {
+    const auto change = applyAll<MotionChange<true>>(drag, points, count, dt);
+    drag.work += change.energy;
+    drag.impulse += Eigen::Map<const Eigen::Vector3d>(change.momentum);
+  } else {
+    applyAll<MotionChange<false>>(drag, points, count, dt);
+  }
+  DragUpdates& updates = drag.updates;
+  if (updates.interval > 0.0 && (updates.since += dt) >= updates.interval) updateDrag(drag, points, count);
 }
 
 }  // namespace limber

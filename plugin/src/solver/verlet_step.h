@@ -168,7 +168,7 @@ inline void applyDrag(SolverBody& body, const PointView& points, double dt) {
 
 /// Starts the measurement of the drag's work.
 inline void startDrag(SolverBody& body) {
-  if (body.drag) body.drag->work = 0.0, body.drag->impulse.setZero();
+  if (body.drag) startDrag(*body.drag, viewOf(*body.points), body.points->position.cols());
 }
 
 /// Solves the velocities at unpredicted contacts after the drag.
