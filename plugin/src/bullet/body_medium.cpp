@@ -42,7 +42,10 @@ constexpr double kMaxWind = 1e4;
 /// m/s, change of the wind that wakes a body.
 constexpr double kWakingWind = 0.5;
 
-bool isSolid(const SoftBodyData& body) { return body.model->network->kind == NetworkKind::Solid; }
+/// A solid whose surface is open, as by a cut, is a sheet.
+bool isSolid(const SoftBodyData& body) {
+  return body.model->network->kind == NetworkKind::Solid && body.model->parts.sheets.empty();
+}
 
 /// Returns the coefficients of the body in a medium where its default drag is `usual`.
 Flow flowOf(const SoftBodyData& body, double density, double usual) {
