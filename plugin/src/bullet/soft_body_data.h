@@ -176,13 +176,14 @@ struct SurfaceData {
   SweptBounds presentBounds;            ///< of the present tick, if awake: they depend on the state alone
   std::vector<btCollisionObject*> partners;  ///< of the coming tick, see collectPartners()
 
-  bool freed = false;     ///< since the last tick, something that held points has let go of them
-  Points freedMotion;     ///< 3 x #points, m: what the springs add to `motion` after that; else empty
-  Points motion;          ///< 3 x #points, m, predicted displacement in the tick
-  Points positionInStep;  ///< 3 x #points, m, current positions during a step
+  bool freed = false;        ///< since the last tick, something that held points has let go of them
+  double freedMotion = 0.0;  ///< m in the tick, by which the springs may throw points after that
+  Points motion;             ///< 3 x #points, m, predicted displacement in the tick
+  Points positionInStep;     ///< 3 x #points, m, current positions during a step
   SurfaceBoxes boxes;
   MovingSurface moving;                ///< a view of the above
-  double impact = 0.0;                 ///< m in the tick, into static and kinematic objects that stop it
+  double impact = 0.0;                 ///< m in the tick, into static and kinematic objects that stop it, and
+                                       ///< `freedMotion`
   double release = 0.0;                ///< m/s^2, the largest with which springs push a point into a contact
   Eigen::AlignedBox3d motions;         ///< m in the tick, see addStoppedPairs(); empty before
   bool motionValid = false;            ///< `motion` and `impact` are those of this tick

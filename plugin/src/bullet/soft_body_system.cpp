@@ -256,12 +256,15 @@ void SoftBodySystem::Impl::wakeEnds(const SpringConstraint& spring, const btRigi
   const btCollisionObjectArray& objects = world->getCollisionObjectArray();
   for (btRigidBody* end : {spring.endA().body, spring.endB().body}) {
     if (!end || end == butNot) continue;
-    if (SoftBody* body = ownerOf(*end)) {
-      body->data_->surface.freed = true;
-      body->wake();
-    }
+    if (SoftBody* body = ownerOf(*end)) body->wake();
     if (objects.findLinearSearch(end) < objects.size()) end->activate();
   }
+}
+
+void SoftBodySystem::Impl::freeEnds(const SpringConstraint& spring) const {
+  if (!worldAlive()) return;
+  for (const btRigidBody* end : {spring.endA().body, spring.endB().body})
+    if (SoftBody* body = end ? ownerOf(*end) : nullptr) body->data_->surface.freed = true;
 }
 
 /// Returns the body of any system that has this point, which need not exist; nullptr if none has.
@@ -291,6 +294,7 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
   const auto found = find(impl_->springs, spring);
   if (found == impl_->springs.end()) return foreignSpring();
   impl_->step->forgetGroups();
+  impl_->freeEnds(*spring);
   impl_->wakeEnds(*spring, nullptr);
   impl_->springs.erase(found);
   impl_->unhookIfIdle(impl_->worldAlive());
@@ -301,6 +305,7 @@ Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
 void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
   const auto isOn = [&](const auto& s) {
     if (s->endA().body != &body && s->endB().body != &body) return false;
+    freeEnds(*s);
     wakeEnds(*s, &body);
     return true;
   };

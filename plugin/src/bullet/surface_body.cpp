@@ -363,37 +363,31 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
 
 namespace {
 
-/// Sets the displacements that the springs will cause in a tick that begins with strained springs and points
-/// that have just been let go: other ticks begin with the velocities that the springs have caused so far.
-/// They are at most those of points that each have the whole elastic energy.
-void predictFreedMotion(SoftBodyData& body, double tick) {
-  const bool freed = std::exchange(body.surface.freed, false);
-  Points& motion = body.surface.freedMotion;
-  if (!freed) return motion.resize(3, 0);
-  motion = tick * tick * body.state.inverseMass.cwiseProduct(elasticForces(body));
-  if (!body.volumes.empty()) return;
-  const double energy = std::max(0.0, elasticEnergy(body));
+/// Returns how far (m) the springs may throw a point in a tick that begins with points that have just been
+/// let go: other ticks begin with the velocities that the springs have caused so far. At most as far as if
+/// the point had the whole elastic energy.
+double freedMotionOf(const SoftBodyData& body, double tick) {
+  const Points motion = tick * tick * body.state.inverseMass.cwiseProduct(elasticForces(body));
+  const double energy = body.volumes.empty() ? std::max(0.0, elasticEnergy(body)) : HUGE_VAL;
+  double farthest = 0.0;
   for (Eigen::Index i = 0; i < motion.cols(); ++i) {
-    const double farthest = tick * std::sqrt(2.0 * energy * body.state.inverseMass.col(i).maxCoeff());
+    const double most = tick * std::sqrt(2.0 * energy * body.state.inverseMass.col(i).maxCoeff());
     const double length = motion.col(i).norm();
-    if (length > farthest) motion.col(i) *= farthest / length;
+    farthest = std::max(farthest, length > 0.0 ? std::min(length, most) : 0.0);
   }
+  return farthest;
 }
 
 }  // namespace
 
 bool updateBroadphaseBox(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;
-  predictFreedMotion(body, double(tick));
-  const bool isFreed = s.freedMotion.cols() > 0;
-  const bool isPredicted = !isFreed && !body.masses.exposed && s.sweptBounds.tick == double(tick);
+  s.freedMotion = std::exchange(s.freed, false) ? freedMotionOf(body, double(tick)) : 0.0;
+  const bool isPredicted = s.freedMotion == 0.0 && !body.masses.exposed && s.sweptBounds.tick == double(tick);
   s.presentBounds = isPredicted ? s.sweptBounds : sweptBoundsOf(body, double(tick));
-  if (isFreed) {
-    const double farthest = std::sqrt(s.freedMotion.colwise().squaredNorm().maxCoeff());
-    s.presentBounds.box.min().array() -= farthest;
-    s.presentBounds.box.max().array() += farthest;
-    s.presentBounds.maxDisplacement += farthest;
-  }
+  s.presentBounds.box.min().array() -= s.freedMotion;
+  s.presentBounds.box.max().array() += s.freedMotion;
+  s.presentBounds.maxDisplacement += s.freedMotion;
   return !isPredicted && extendBox(body, s.presentBounds);
 }
 

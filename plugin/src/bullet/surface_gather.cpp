@@ -38,9 +38,8 @@ const MovingSurface& movingSurface(SoftBodyData& body, double tick) {
   SurfaceData& s = body.surface;
   if (!s.motionValid) {
     s.motion = tick * body.state.velocity + tick * tick * body.state.acceleration;
-    if (s.freedMotion.cols() > 0) s.motion += s.freedMotion;
     s.moving = {&body.model->topology, &body.state.position, &s.motion, radiusOf(body), &s.boxes};
-    s.impact = impactOf(body, tick);
+    s.impact = impactOf(body, tick) + s.freedMotion;
     s.motions.setEmpty();
     s.motionValid = true;
   }

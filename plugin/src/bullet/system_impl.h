@@ -48,6 +48,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
   void wakeEnds(const SpringConstraint& spring, const btRigidBody* butNot) const;
+  void freeEnds(const SpringConstraint& spring) const;  ///< notes that it no longer holds soft bodies
   SoftBody* ownerOf(const btRigidBody& point) const;
   bool worldAlive() const;
   void watchSteps();
