@@ -58,6 +58,12 @@ constexpr double kNearlyMost = 0.9;
 /// opposite direction. Otherwise the load has gone already, and a tear would go on without it.
 constexpr double kOpposed = 0.5;
 
+/// From this overload on a spring tears the body in any case, and besides the other ones: in a fast hit the
+/// load has not yet come to its far end, where only the mass holds it, and all of its springs are far too
+/// long before any has torn.
+constexpr double kSurely = 2.0;
+constexpr std::size_t kMostTears = 64;
+
 /// Removes a spring that no element has.
 void removeSpring(SoftBodyData& body, std::size_t spring) {
   if (!body.springs.yielded) body.springs.yielded = std::make_shared<SpringConstants>(*body.springs.original);
@@ -81,8 +87,10 @@ class Tearing {
 
   void tear(const std::vector<Overload>& overloads) {
     for (const Overload& o : overloads) {
-      if (energies_.size() >= kMaxTears || o.ratio < kNearlyMost * overloads.front().ratio) break;
-      tearAt(o.spring);
+      const bool surely = o.ratio > kSurely;
+      if (energies_.size() >= (surely ? kMostTears : kMaxTears)) break;
+      if (!surely && o.ratio < kNearlyMost * overloads.front().ratio) break;
+      tearAt(o.spring, surely);
     }
     // a point of too small a mass is not divided
     if (!energies_.empty()) separate(body_, elements_, request_, energies_);
@@ -130,12 +138,12 @@ class Tearing {
     return sum;
   }
 
-  void tearAt(std::size_t spring) {
+  void tearAt(std::size_t spring, bool surely) {
     std::uint32_t a = body_.springs->a[spring], b = body_.springs->b[spring];
     Vector3d along = offset(a, b).stableNormalized();
     const double least = kOpposed * tension(spring);
     double atA = opposing(a, spring, along), atB = opposing(b, spring, -along);
-    if ((atA < least && !isFixed(a)) || (atB < least && !isFixed(b))) return;
+    if (!surely && ((atA < least && !isFixed(a)) || (atB < least && !isFixed(b)))) return;
     if (atB > atA) std::swap(a, b), along = -along;
     if (!part(a, along) && part(b, -along)) std::swap(a, b);
     if (!parted_) return breakBrace(spring, a, b);
