@@ -22,8 +22,8 @@ namespace limber {
 ///     drag = 1/2 rho u^2 A sin(alpha) (drag - lift (1 - sin(alpha))),   lift = 1/2 rho u^2 A lift sin cos,
 /// so `drag` is that of a plate broadside to the flow, and a sphere's by its frontal area if `lift` is 0.
 /// Each triangle of a closed surface counts half, since its windward and its leeward side have equal areas.
-/// The segments of ropes are cylinders of the point radius, with the drag of the flow across them. (S. F.
-/// Hoerner, Fluid-Dynamic Drag, 1965.)
+/// The segments of ropes are cylinders of the point radius, with the drag of the flow across them. Solids
+/// whose surface is open, as by a cut, count as cloths here. (S. F. Hoerner, Fluid-Dynamic Drag, 1965.)
 struct FlowCoefficients {
   std::optional<double> drag;  ///< 0 to 100; default: 1.2 for ropes and cloths; for solids 0 in air and 1 in
                                ///< water

@@ -53,7 +53,7 @@ Flow flowOf(const SoftBodyData& body, double density, double usual) {
   Flow flow;
   flow.density = density;
   flow.drag = c.drag.value_or(usual);
-  const bool isCloth = body.model->network->kind == NetworkKind::Cloth;
+  const bool isCloth = !body.model->parts.sheets.empty();
   flow.lift = std::min(c.lift.value_or(isCloth ? flow.drag : 0.0), flow.drag);
   flow.friction = flow.drag > 0.0 ? c.friction : 0.0;
   return flow;
