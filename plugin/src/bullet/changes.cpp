@@ -485,7 +485,6 @@ void forgetConstants(SoftBodyData& body) {
   body.springBatches.reset();
   body.implicit.reset();
   body.frequencyStale = true;
-  body.surface.freed = true;
   // groups have pointers to these
   *body.groupsStale = true;
 }

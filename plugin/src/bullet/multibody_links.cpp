@@ -4,6 +4,7 @@
 // impulses and motions to the multibodies.
 
 #include "bullet/bullet_objects.h"
+#include "bullet/soft_body_data.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/linear_algebra.h"

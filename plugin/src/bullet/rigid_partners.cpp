@@ -6,6 +6,7 @@
 #include "bullet/rigid_partners.h"
 
 #include "bullet/kinematic_motion.h"
+#include "mesh/surface.h"
 
 #include <cmath>
 

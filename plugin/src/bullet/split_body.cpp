@@ -55,6 +55,7 @@ void takeSprings(SoftBodyData& body, const BodyModel& before, const Origins& spr
   body.volumes = body.model->volumes;
   body.tetrahedra = body.model->tetrahedra;
   forgetConstants(body);
+  body.surface.freed = true;
 }
 
 /// Shares what points have in proportion to their mass.

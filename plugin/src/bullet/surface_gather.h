@@ -158,8 +158,9 @@ bool hasSharpFeatureNear(const SweptBox& box, const RigidPart& part, const Cover
 bool staysCloseToRound(const MovingSurface& soft, const RigidPart& part);
 
 /// Returns whether a contact of an edge or triangle counts. It does not if contacts of its corners, whose
-/// gaps are at most `margin` (m) larger, replace it; nor if other objects cover the touched edge or corner of
-/// the part: they are nearer to the soft body, or flush with the edge or corner.
+/// gaps are at most `margin` (m) larger, replace it, or on a round part those that its corners would have;
+/// nor if other objects cover the touched edge or corner of the part: they are nearer to the soft body, or
+/// flush with the edge or corner.
 bool isHeldContact(const SurfaceCandidate& m, const SurfaceContact& c, double margin, SurfaceSearch& s);
 
 /// Sets the side b of a contact with a static or kinematic part, whose `motion` is that of `seconds`.
