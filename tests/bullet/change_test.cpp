@@ -360,12 +360,18 @@ TEST(ChangeOfGroups, aSeamBreaksFirst) {
   world.body->pin(0);
   world.body->pin(4);
   world.change([](SoftBodySettings& t) { t.damping = 1.0; });
+  EXPECT_TRUE(world.body->brokenSprings().empty());
   for (int i = 0; i < 200; ++i) {
     world.body->movePin(4, vec(0, -1.0 - 0.1 * i / 200.0, 0));
     world.bullet.tick();
   }
   EXPECT_GT((world.body->position(2) - world.body->position(1)).norm(), 0.3);
   EXPECT_LT((world.body->position(1) - world.body->position(0)).norm(), 0.26);
+  const std::vector<std::uint32_t> broken = world.body->brokenSprings();
+  ASSERT_EQ(broken.size(), 1u);
+  const NetworkSpring& spring = network->springs[broken[0]];
+  EXPECT_EQ(spring.a, 1u);
+  EXPECT_EQ(spring.b, 2u);
 }
 
 TEST(ChangeOfGroups, namesAndIndicesAreChecked) {

@@ -279,7 +279,14 @@ class LIMBER_API SoftBody {
   Eigen::Vector3d linearMomentum() const;   ///< kg m/s
   Eigen::Vector3d angularMomentum() const;  ///< kg m^2/s about the world's origin
   double kineticEnergy() const;             ///< J
-  double elasticEnergy() const;             ///< J in its own springs and its volume term
+  double elasticEnergy() const;             ///< J in its own springs and its volume term, which is 0 at the
+                                            ///< volume at rest: below 0 in a gas that has expanded
+  double volume() const;                    ///< m^3 inside its closed surfaces at present; 0 without any. The
+                                            ///< gauge pressure of a gas is in the settings at rest, and
+                                            ///< (pressure + ambientPressure) V0 / V - ambientPressure at V
+
+  /// Returns the indices in network().springs of those that have broken, see ElasticLimit, in order.
+  std::vector<std::uint32_t> brokenSprings() const;
 
   /// Returns a hash of all positions and velocities, bit for bit: equal runs give equal hashes.
   std::uint64_t stateHash() const;

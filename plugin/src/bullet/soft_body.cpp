@@ -291,6 +291,22 @@ double SoftBody::elasticEnergy() const {
   current(*data_);
   return limber::elasticEnergy(*data_);
 }
+double SoftBody::volume() const {
+  const Points& x = current(*data_).position;
+  const Eigen::Vector3d from = x.col(0);
+  double sum = 0.0;
+  for (const Triangle& t : data_->model->parts.closed)
+    sum += (x.col(t[0]) - from).dot((x.col(t[1]) - from).cross(x.col(t[2]) - from));
+  return sum / 6.0;
+}
+std::vector<std::uint32_t> SoftBody::brokenSprings() const {
+  std::vector<std::uint32_t> broken;
+  const SpringConstants* own = data_->springs.yielded.get();
+  for (std::size_t i = 0; own && i < data_->springs.size(); ++i)
+    if (isBroken(data_->springs, i)) broken.push_back(own->division.order[i]);
+  std::sort(broken.begin(), broken.end());
+  return broken;
+}
 std::uint64_t SoftBody::stateHash() const { return limber::stateHash(current(*data_)); }
 
 // --- results of Bullet's queries ---------------------------------------------------------------------------

@@ -253,10 +253,14 @@ void removeSurface(SoftBodyData& body) {
   if (SurfaceObject* object = body.surface.object) {
     object->setOwner(nullptr);
     // the world's destructor removes the broadphase handle: an object without one must not access the world
-    // in another world it is left to the user
-    const bool elsewhere = object->isInWorld() && isElsewhere(*object, *body.world);
-    if (object->isInWorld() && !elsewhere) body.world->removeRigidBody(object);
-    if (!elsewhere) delete object;
+    if (object->isInWorld() && isElsewhere(*object, *body.world)) {
+      // it is left to the user, without the shape, which goes with the body
+      static btEmptyShape nothing;
+      object->setCollisionShape(&nothing);
+    } else {
+      if (object->isInWorld()) body.world->removeRigidBody(object);
+      delete object;
+    }
     body.surface.object = nullptr;
   }
   deletePointMasses(body);
