@@ -401,7 +401,7 @@ TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
 
 enum class Ahead { Rod, HeavyRod, Rope };
 
-/// Adds a rod or rope along y at this place, across the way of a bowstring.
+/// Adds a rod or a rope along y at this z. The bowstring will move towards it along z.
 void addAhead(BulletWorld& bullet, SoftBodySystem& system, Ahead kind, double z) {
   if (kind != Ahead::Rope) {
     auto rod = std::make_unique<btCapsuleShape>(btScalar(kRadius), btScalar(2));

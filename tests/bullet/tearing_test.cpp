@@ -452,7 +452,7 @@ TEST(Tear, aRopeTearsOnceAndKeepsItsSegments) {
   EXPECT_LE(piecesOf(*world.body), 3u);
 }
 
-/// Springs at the hole are far too long before the load has come to their other ends.
+/// The springs at the ball break before the springs behind them are stretched.
 TEST(Tear, aFastBallGoesThroughPaper) {
   constexpr std::uint32_t kCells = 20;
   for (const double tick : {1.0 / 60.0, 1.0 / 480.0}) {

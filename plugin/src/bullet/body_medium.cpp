@@ -53,8 +53,8 @@ Flow flowOf(const SoftBodyData& body, double density, double usual) {
   Flow flow;
   flow.density = density;
   flow.drag = c.drag.value_or(usual);
-  const bool isCloth = !body.model->parts.sheets.empty();
-  flow.lift = std::min(c.lift.value_or(isCloth ? flow.drag : 0.0), flow.drag);
+  const bool isSheet = !body.model->parts.sheets.empty();
+  flow.lift = std::min(c.lift.value_or(isSheet ? flow.drag : 0.0), flow.drag);
   flow.friction = flow.drag > 0.0 ? c.friction : 0.0;
   return flow;
 }

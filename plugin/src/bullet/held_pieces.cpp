@@ -398,10 +398,6 @@ bool staysCloseToRound(const MovingSurface& soft, const SurfaceContact& c, doubl
   return longest <= maxEdgeSquared(soft, radius);
 }
 
-}  // namespace
-
-namespace {
-
 bool isRound(const RigidPart& part) { return part.surface->topology.triangles.empty(); }
 
 /// Returns whether all edges sink into a round surface of this radius (m) by little between their corners.

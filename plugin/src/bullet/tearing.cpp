@@ -58,11 +58,11 @@ constexpr double kNearlyMost = 0.9;
 /// opposite direction. Otherwise the load has gone already, and a tear would go on without it.
 constexpr double kOpposed = 0.5;
 
-/// From this overload on a spring tears the body in any case, and besides the other ones: in a fast hit the
-/// load has not yet come to its far end, where only the mass holds it, and all of its springs are far too
-/// long before any has torn.
+/// Springs with a larger overload tear without these conditions. In a fast hit only the mass of the point at
+/// its far end holds a spring: the springs behind it are not stretched yet. Many springs are then too long at
+/// the same time.
 constexpr double kSurely = 2.0;
-constexpr std::size_t kMostTears = 64;
+constexpr std::size_t kMaxSureTears = 64;
 
 /// Removes a spring that no element has.
 void removeSpring(SoftBodyData& body, std::size_t spring) {
@@ -88,7 +88,7 @@ class Tearing {
   void tear(const std::vector<Overload>& overloads) {
     for (const Overload& o : overloads) {
       const bool surely = o.ratio > kSurely;
-      if (energies_.size() >= (surely ? kMostTears : kMaxTears)) break;
+      if (energies_.size() >= (surely ? kMaxSureTears : kMaxTears)) break;
       if (!surely && o.ratio < kNearlyMost * overloads.front().ratio) break;
       tearAt(o.spring, surely);
     }
