@@ -22,6 +22,58 @@ TEST(Rotation, betweenUndoesBy) {
   }
 }
 
+/// A body with the moments 1, 2 and 6 kg m^2, or with two of them equal.
+RigidState spinningBody(const Vector3d& moments) {
+  RigidState body;
+  body.inverseMass.setOnes();
+  body.inverseInertiaLocal = moments.cwiseInverse();
+  body.gyroscopic = true;
+  body.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(1, -2, 3).normalized()));
+  body.angularVelocity = body.rotation * Vector3d(0.4, 3.0, -0.7);
+  body.turn();
+  return body;
+}
+
+double rotationEnergy(const RigidState& body) {
+  return 0.5 * body.angularVelocity.dot(body.angularMomentum());
+}
+
+RigidState turned(RigidState body, double time, int steps) {
+  for (int i = 0; i < steps; ++i) body.drift(time / steps);
+  return body;
+}
+
+TEST(FreeRotation, keepsMomentumAndItsEnergyDoesNotDrift) {
+  RigidState body = spinningBody({1, 2, 6});
+  const Vector3d momentum = body.angularMomentum();
+  const double start = rotationEnergy(body);
+  double swing = 0.0;
+  for (int i = 0; i < 100000; ++i) {
+    body.drift(0.1);
+    const double error = std::abs(rotationEnergy(body) - start) / start;
+    if (i < 1000)
+      swing = std::max(swing, error);
+    else
+      ASSERT_LT(error, 1.1 * swing) << i;
+  }
+  EXPECT_LT((body.angularMomentum() - momentum).norm(), 1e-10 * momentum.norm());  // 2e-16 a step
+}
+
+TEST(FreeRotation, isOfSecondOrder) {
+  const RigidState body = spinningBody({1, 2, 6}), exact = turned(body, 2.0, 20000);
+  const auto error = [&](int steps) {
+    return rotationBetween(turned(body, 2.0, steps).rotation, exact.rotation).norm();
+  };
+  EXPECT_NEAR(error(100) / error(200), 4.0, 0.1);
+}
+
+TEST(FreeRotation, isExactForTwoEqualMoments) {
+  for (const Vector3d& moments : {Vector3d(2, 0.1, 2), Vector3d(1, 1, 1.9)}) {
+    const RigidState body = spinningBody(moments);
+    EXPECT_LT(rotationBetween(turned(body, 3.0, 2).rotation, turned(body, 3.0, 7).rotation).norm(), 1e-13);
+  }
+}
+
 /// Two free points and a rigid cube with equal moments of inertia.
 struct Linked {
   Linked() {

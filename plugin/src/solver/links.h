@@ -43,8 +43,12 @@ struct RigidState {
   void kick(double dt);
   void drift(double dt);
 
-  /// Rotates the body with constant angular momentum, by the midpoint rule.
-  void spin(double dt);
+  /// Returns the rotation after `dt` (s) without torques: with constant angular velocity, or if gyroscopic
+  /// with constant angular momentum.
+  Eigen::Quaterniond rotationAfter(double dt) const;
+
+  /// kg m^2/s, of a body whose moments of inertia are all finite.
+  Eigen::Vector3d angularMomentum() const;
 
   /// Adds an impulse (N s) at `arm` (m) from the centre of mass.
   void applyImpulse(const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm) {
