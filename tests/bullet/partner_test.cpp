@@ -379,6 +379,59 @@ TEST(Partners, aSleepingBoxWakesWhenACubeFallsOnIt) {
   EXPECT_NEAR(top(*cube), 0.2 + kRadius + cubeHeight(1e4, 0), 1e-3);
 }
 
+/// Returns the distance (m) of a place from a cloth's triangles, at most a hundredth of an edge too large.
+double distanceFrom(const SoftBody& cloth, const Eigen::Vector3d& place) {
+  constexpr int kParts = 6;
+  double least = 1e9;
+  for (const Triangle& t : cloth.network().surface)
+    for (int i = 0; i <= kParts; ++i)
+      for (int j = 0; i + j <= kParts; ++j) {
+        const Eigen::Vector3d p =
+            (i * cloth.position(t[0]) + j * cloth.position(t[1]) + (kParts - i - j) * cloth.position(t[2])) /
+            double(kParts);
+        least = std::min(least, (p - place).norm());
+      }
+  return least;
+}
+
+/// Two spheres have contacts in Bullet only while they overlap. Its solver pushed them apart every other
+/// tick, deeper and deeper into the cloth: 38 mm in four seconds.
+TEST(Partners, ballsThatTouchEachOtherLieOnACloth) {
+  if (!test::kSurface) GTEST_SKIP() << "it has no triangles";
+  constexpr double kBall = 0.04, kHalf = 0.4;
+  BulletWorld bullet;
+  SoftBodySystem system(*bullet.world);
+  ClothSettings cloth;
+  cloth.width = cloth.depth = 2.0 * kHalf;
+  cloth.columns = cloth.rows = 16;
+  SoftBodySettings s = test::testedSettings();
+  s.totalMass = 0.5;
+  s.extensionStiffness = 2000.0;
+  s.compressionStiffness = 200.0;
+  s.damping = 0.5;
+  s.pointRadius = kRadius;
+  SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+  std::vector<Eigen::Vector3d> rest;
+  for (std::uint32_t i = 0; i < body->pointCount(); ++i) rest.push_back(body->position(i));
+  std::vector<std::uint32_t> border;
+  for (std::uint32_t i = 0; i < body->pointCount(); ++i)
+    if (rest[i].cwiseAbs().maxCoeff() > kHalf - 1e-6) border.push_back(i);
+  for (const std::uint32_t i : border) ASSERT_TRUE(body->pin(i));
+  std::vector<btRigidBody*> balls;
+  for (int k = 0; k < 5; ++k)
+    balls.push_back(bullet.add(std::make_unique<btSphereShape>(btScalar(kBall)), 0.2,
+                               vec((k % 3 - 1) * 0.085, 0.06, (k / 3 - 1) * 0.085)));
+  for (double time = 0.0; time < 3.0; time += test::kTick) {
+    const double drawn = 1.0 - 0.4 * std::min(1.0, time);
+    for (const std::uint32_t i : border)
+      ASSERT_TRUE(body->movePin(i, vec(drawn * rest[i].x(), 0, drawn * rest[i].z())));
+    bullet.tick();
+  }
+  for (const btRigidBody* ball : balls)
+    EXPECT_GT(distanceFrom(*body, test::eigen(ball->getWorldTransform().getOrigin())),
+              kBall + kRadius - 0.001);
+}
+
 TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
   BulletWorld bullet;
   bullet.addBoxFloor();

@@ -102,6 +102,10 @@ inline btScalar rotationSpeed(const btRigidBody& body) {
   return spin > 0 ? spin * body.getCollisionShape()->getAngularMotionDisc() : btScalar(0);
 }
 
+inline bool isSphere(const btCollisionObject& object) {
+  return object.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+}
+
 /// Returns the radius (m) of the sphere around an object's shape.
 inline double boundingRadiusOf(const btCollisionObject& object) {
   btVector3 center;

@@ -31,6 +31,9 @@ constexpr int kMaxParts = 64;
 /// are sought.
 constexpr btScalar kApart = btScalar(0.001), kApartShare = btScalar(0.003);
 
+/// Spheres whose ways (m) are a smaller share of their distance keep the normal between them.
+constexpr btScalar kNearShare = btScalar(0.25);
+
 /// Contacts are nearer to each other than this share of the body's radius only if they are one.
 constexpr btScalar kSamePlace = btScalar(0.05);
 
@@ -295,6 +298,28 @@ ComingTouch comingTouch(const btCollisionObject& a, const btCollisionObject& b, 
   return whenStopped[whenStopped[1].touch.fraction < whenStopped[0].touch.fraction];
 }
 
+/// Adds the contact of two spheres that are nearer to each other than their short ways. Bullet has one only
+/// while they overlap: its solver would push them apart, and into what holds them, every other tick. Returns
+/// false if a way is not short.
+bool addNearSpheres(const btCollisionObject& a, const btCollisionObject& b, const ContactSpeeds& speeds,
+                    TickContacts& found) {
+  const btVector3 ofA = wayOf(a, found.tick), ofB = wayOf(b, found.tick);
+  const btScalar way = std::max({ofA.length(), ofB.length(), (ofA - ofB).length()});
+  const auto radiusOf = [](const btCollisionObject& sphere) {
+    return static_cast<const btSphereShape*>(sphere.getCollisionShape())->getRadius();
+  };
+  const btScalar radiusA = radiusOf(a), radiusB = radiusOf(b);
+  if (way > kNearShare * (radiusA + radiusB)) return false;
+  const btTransform &poseA = a.getWorldTransform(), &poseB = b.getWorldTransform();
+  const btVector3 offset = poseA.getOrigin() - poseB.getOrigin();
+  if (offset.length() - radiusA - radiusB > way || offset.fuzzyZero()) return true;
+  const btVector3 normal = offset.normalized();
+  const ContactPlaces::Place place = {poseA.invXform(poseA.getOrigin() - radiusA * normal),
+                                      poseB.invXform(poseB.getOrigin() + radiusB * normal)};
+  addRigidContact(found, a, b, pointAt(a, b, place, normal), speeds);
+  return true;
+}
+
 /// Adds the contacts that two bodies get in the tick. Gaps are those of the present poses.
 void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisionObject& other,
                const ContactSpeeds& speeds, TickContacts& found) {
@@ -304,6 +329,7 @@ void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisi
   ContactPlaces places;
   places.apart = kSamePlace * btScalar(boundingRadiusOf(a));
   if (!addPresent(world, a, b, found.manifolds, places)) return;
+  if (isSphere(a) && isSphere(b) && addNearSpheres(a, b, speeds, found)) return;
   const ComingTouch coming = comingTouch(a, b, found.tick);
   if (!coming.comes()) return;
   std::size_t next = places.count;
@@ -343,7 +369,7 @@ void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, dou
                        const ContactSpeeds& speeds, TickContacts& found) {
   btRigidBody& body = *found.rigids[number].body;
   const double way = double(wayOf(body, found.tick).length());
-  if (!isFree(body) || std::max(way, reach) < kShortWay) return;
+  if (!isFree(body) || (std::max(way, reach) < kShortWay && !isSphere(body))) return;
   findNear(world, body, way + reach, found.near);
   for (btCollisionObject* other : found.near) {
     const auto* rigid = static_cast<const btRigidBody*>(other);

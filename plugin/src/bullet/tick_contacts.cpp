@@ -259,12 +259,13 @@ void startTick(RigidManifolds& history) {
 namespace {
 
 /// Calls visit(index in the world's list, manifold) for both objects of all manifolds with a contact
-/// response.
+/// response. Manifolds of spheres may be empty: they have a point only while the two overlap.
 template <class Visit>
 void forEachSide(btDispatcher& dispatcher, Visit visit) {
   forEachManifold(dispatcher, [&](btPersistentManifold& manifold) {
     const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
-    if (manifold.getNumContacts() == 0 || isSoft(a) || isSoft(b)) return;
+    if (isSoft(a) || isSoft(b)) return;
+    if (manifold.getNumContacts() == 0 && !(isSphere(*a) && isSphere(*b))) return;
     if (!a->hasContactResponse() || !b->hasContactResponse()) return;
     for (const btCollisionObject* object : {a, b})
       if (object->getWorldArrayIndex() >= 0)
