@@ -5,6 +5,7 @@
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
 
@@ -206,10 +207,9 @@ void forEachCorner(const Part& part, const btVector3& direction, Visit visit) {
 /// Finds the place of a part that faces a point along the touch's normal, which leads from the place to the
 /// point or back. Returns false if the nearest place is beside it.
 bool findFacing(const btVector3& point, const Part& part, const Touch& touch, btVector3& place) {
-  static const btSphereShape kPoint(btScalar(0));
-  const Nearest nearest({&kPoint, btTransform(btQuaternion::getIdentity(), point)}, part);
-  if (!nearest.found) return false;
-  place = nearest.onB;
+  HeldPoint nearest;
+  if (!findNearestOutside(*part.shape, part.pose, toEigen(point), nearest)) return false;
+  place = point - toBullet(nearest.height * nearest.normal);
   const btVector3 offset = point - place;
   return (offset - offset.dot(touch.normal) * touch.normal).length() < 2 * touch.apart;
 }

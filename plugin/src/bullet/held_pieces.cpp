@@ -6,10 +6,13 @@
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
+#include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_gather.h"
 #include "mesh/surface.h"
 
+#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
 #include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
@@ -72,32 +75,6 @@ HeldPiece cylinderPiece(const btCylinderShape& cylinder, const btTransform& pose
   const btVector3 half = cylinder.getHalfExtentsWithoutMargin();
   return roundPiece(Kind::Cylinder, pose, double(cylinder.getMargin()), axis, double(half[axis == 0 ? 1 : 0]),
                     double(half[axis]));
-}
-
-std::optional<HeldPiece> solidOf(const btCollisionShape& shape, const btTransform& pose) {
-  switch (shape.getShapeType()) {
-    case STATIC_PLANE_PROXYTYPE:
-      return planePiece(static_cast<const btStaticPlaneShape&>(shape), pose);
-    case BOX_SHAPE_PROXYTYPE:
-      return boxPiece(static_cast<const btBoxShape&>(shape), pose);
-    case SPHERE_SHAPE_PROXYTYPE:
-      return roundPiece(Kind::Capsule, pose, double(static_cast<const btSphereShape&>(shape).getRadius()), 1,
-                        0.0, 0.0);
-    case CAPSULE_SHAPE_PROXYTYPE: {
-      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
-      return roundPiece(Kind::Capsule, pose, double(capsule.getRadius()), capsule.getUpAxis(), 0.0,
-                        double(capsule.getHalfHeight()));
-    }
-    case CYLINDER_SHAPE_PROXYTYPE:
-      return cylinderPiece(static_cast<const btCylinderShape&>(shape), pose);
-    case CONE_SHAPE_PROXYTYPE: {
-      const auto& cone = static_cast<const btConeShape&>(shape);
-      return roundPiece(Kind::Cone, pose, double(shape.getMargin()), cone.getConeUpIndex(),
-                        double(cone.getRadius()), 0.5 * double(cone.getHeight()));
-    }
-    default:
-      return std::nullopt;
-  }
 }
 
 /// Collects the pieces of one object in a box.
@@ -284,8 +261,51 @@ bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector
 
 }  // namespace
 
+std::optional<HeldPiece> solidOf(const btCollisionShape& shape, const btTransform& pose) {
+  switch (shape.getShapeType()) {
+    case STATIC_PLANE_PROXYTYPE:
+      return planePiece(static_cast<const btStaticPlaneShape&>(shape), pose);
+    case BOX_SHAPE_PROXYTYPE:
+      return boxPiece(static_cast<const btBoxShape&>(shape), pose);
+    case SPHERE_SHAPE_PROXYTYPE:
+      return roundPiece(Kind::Capsule, pose, double(static_cast<const btSphereShape&>(shape).getRadius()), 1,
+                        0.0, 0.0);
+    case CAPSULE_SHAPE_PROXYTYPE: {
+      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
+      return roundPiece(Kind::Capsule, pose, double(capsule.getRadius()), capsule.getUpAxis(), 0.0,
+                        double(capsule.getHalfHeight()));
+    }
+    case CYLINDER_SHAPE_PROXYTYPE:
+      return cylinderPiece(static_cast<const btCylinderShape&>(shape), pose);
+    case CONE_SHAPE_PROXYTYPE: {
+      const auto& cone = static_cast<const btConeShape&>(shape);
+      return roundPiece(Kind::Cone, pose, double(shape.getMargin()), cone.getConeUpIndex(),
+                        double(cone.getRadius()), 0.5 * double(cone.getHeight()));
+    }
+    default:
+      return std::nullopt;
+  }
+}
+
 std::optional<HeldPiece> solidOf(const btCollisionObject& object) {
   return solidOf(*object.getCollisionShape(), object.getWorldTransform());
+}
+
+bool findNearestOutside(const btConvexShape& shape, const btTransform& pose, const Vector3d& x,
+                        HeldPoint& nearest) {
+  constexpr double kResolution = 1e-5;  // of the distance from its centre
+  static const btSphereShape kPoint(btScalar(0));
+  btVoronoiSimplexSolver simplex;
+  btGjkPairDetector detector(&kPoint, &shape, &simplex, nullptr);
+  btGjkPairDetector::ClosestPointInput input;
+  input.m_transformA = btTransform(btQuaternion::getIdentity(), toBullet(x));
+  input.m_transformB = pose;
+  btPointCollector found;
+  detector.getClosestPoints(input, found, nullptr);
+  const double fromCore = double(found.m_distance + shape.getMargin());
+  if (!found.m_hasResult || fromCore < kResolution * (x - toEigen(pose.getOrigin())).norm()) return false;
+  nearest = {toEigen(found.m_normalOnBInWorld).normalized(), double(found.m_distance), false};
+  return true;
 }
 
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
@@ -469,11 +489,14 @@ bool isInternalEdge(const SurfaceCandidate& m, const SurfaceContact& c, SurfaceS
   return around.isFlat(c.normal, c.normal.cross(along).normalized());
 }
 
-/// Returns the angular velocity (rad/s) of a kinematic object.
-Vector3d spinOf(const btCollisionObject& object, double tick) {
-  return rotationBetween(toEigen(object.getWorldTransform().getRotation()),
-                         toEigen(object.getInterpolationWorldTransform().getRotation())) /
-         tick;
+/// Returns the share of the held object's rotation that the surroundings of a contact have.
+double turningOf(const SurfaceCandidate& m, const SurfaceContact& c, const Vector3d& spin) {
+  const LocalSpins& local = m.body->localSpins;
+  if (!local.areKnown) return 0.0;
+  Vector3d own = Vector3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i)
+    own += c.a.weights[static_cast<Eigen::Index>(i)] * local.spins.col(c.a.points[i]);
+  return turningShare(own, spin, c.normal);
 }
 
 }  // namespace
@@ -494,7 +517,9 @@ void setHeldSide(const SurfaceCandidate& m, const SurfaceContact& c, double seco
     Vector3d displacement = Vector3d::Zero();
     for (std::size_t i = 0; i < 3; ++i)
       displacement += c.b.weights[static_cast<Eigen::Index>(i)] * m.part->motion.col(c.b.points[i]);
-    const Vector3d mean = displacement / seconds + spinOf(*m.held, tick).cross(radiusSum * c.normal);
+    const Vector3d spin = spinOf(*m.held, tick);
+    const double height = m.part->moving.radius + turningOf(m, c, spin) * m.body->surface.moving.radius;
+    const Vector3d mean = displacement / seconds + spin.cross(height * c.normal);
     const SurfaceVelocity motion = surfaceVelocityOf(*m.held, tick * mean, c.normal, tick);
     contact.b.velocity = motion.velocity, contact.b.acceleration = motion.acceleration;
   } else if (c.b.kind != FeatureKind::OnTriangle) {

@@ -227,13 +227,18 @@ KinematicMotions::Rewound::~Rewound() {
   }
 }
 
+Eigen::Vector3d spinOf(const btCollisionObject& object, double tick) {
+  return rotationBetween(toEigen(object.getWorldTransform().getRotation()),
+                         toEigen(object.getInterpolationWorldTransform().getRotation())) /
+         tick;
+}
+
 SurfaceVelocity surfaceVelocityOf(const btCollisionObject& object, const Eigen::Vector3d& displacement,
                                   const Eigen::Vector3d& normal, double tick) {
   SurfaceVelocity motion{displacement / tick};
   const btTransform &start = object.getWorldTransform(), &end = object.getInterpolationWorldTransform();
   if (!isMoved(object) || start.getBasis() == end.getBasis()) return motion;
-  const Eigen::Vector3d spin =
-      rotationBetween(toEigen(start.getRotation()), toEigen(end.getRotation())) / tick;
+  const Eigen::Vector3d spin = spinOf(object, tick);
   const Eigen::Vector3d turned = displacement - difference(end.getOrigin(), start.getOrigin());
   const Eigen::Vector3d change = spin.cross(turned) / tick;
   motion.acceleration = change - normal.dot(change) * normal;

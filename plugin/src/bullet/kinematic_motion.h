@@ -107,6 +107,9 @@ inline Eigen::Vector3d kinematicDisplacement(const btCollisionObject& object,
   return toEigen(rotation) + difference(end.getOrigin(), start.getOrigin());
 }
 
+/// Returns the angular velocity (rad/s) of an object, while it is Rewound.
+Eigen::Vector3d spinOf(const btCollisionObject& object, double tick);
+
 /// The motion of a position on an object in the tick, while it is Rewound.
 struct SurfaceVelocity {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s, at the tick's start

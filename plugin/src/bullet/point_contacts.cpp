@@ -304,7 +304,42 @@ class Watch final : public SearchWatch {
   std::vector<const btCollisionObject*> foundPartners_;
 };
 
+bool turns(const btCollisionObject* object) {
+  return isMoved(*object) &&
+         !(object->getWorldTransform().getBasis() == object->getInterpolationWorldTransform().getBasis());
+}
+
+/// Sets the spins of a body: of each point the rigid rotation w that fits the velocities of its neighbours
+/// along springs best. With their offsets d and relative velocities v,  sum |v - w x d|^2  is least for
+///     (sum |d|^2 - d d^T) w = sum d x v.
+/// About the direction of a rope it is not determined, and 0.
+void findLocalSpins(SoftBodyData& body) {
+  constexpr double kUndetermined = 1e-9;
+  LocalSpins& local = body.localSpins;
+  local.spins.setZero(3, body.state.position.cols());
+  local.inertias.assign(pointCount(body), Eigen::Matrix3d::Zero());
+  for (const NetworkSpring& s : body.model->network->springs) {
+    const Eigen::Vector3d d = body.state.position.col(s.b) - body.state.position.col(s.a);
+    const Eigen::Vector3d moment = d.cross(body.state.velocity.col(s.b) - body.state.velocity.col(s.a));
+    const Eigen::Matrix3d inertia = d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose();
+    for (const std::uint32_t i : {s.a, s.b}) local.spins.col(i) += moment, local.inertias[i] += inertia;
+  }
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
+    Eigen::Matrix3d& inertia = local.inertias[i];
+    const double size = inertia.trace();
+    if (!(size > 0.0)) continue;
+    inertia.diagonal().array() += kUndetermined * size;
+    local.spins.col(i) = inertia.inverse() * local.spins.col(i);
+  }
+}
+
 }  // namespace
+
+double turningShare(const Eigen::Vector3d& own, const Eigen::Vector3d& spin, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d across = spin - normal.dot(spin) * normal;
+  const double squared = across.squaredNorm();
+  return squared > 0.0 ? std::clamp(own.dot(across) / squared, -1.0, 1.0) : 0.0;
+}
 
 Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
   Eigen::AlignedBox3d box = boxOf(rigid);
@@ -339,6 +374,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
                    std::any_of(body.partners.begin(), body.partners.end(), mayEnterBox);
   const bool anyMoves = std::any_of(body.partners.begin(), body.partners.end(),
                                     [](const btCollisionObject* partner) { return isMoved(*partner); });
+  body.localSpins.areKnown = anyMoves && std::any_of(body.partners.begin(), body.partners.end(), turns);
+  if (body.localSpins.areKnown) findLocalSpins(body);
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionAround(body, i, body.searchDistance[i]), tick);

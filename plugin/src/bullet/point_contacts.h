@@ -108,6 +108,10 @@ inline Eigen::AlignedBox3d boxOf(const btCollisionObject& object) {
   return {toEigen(low), toEigen(high)};
 }
 
+/// Returns the share, from -1 to 1, of an object's rotation across a normal that its partner's surroundings
+/// have. `spin`, `own`: rad/s, of the object and of the partner.
+double turningShare(const Eigen::Vector3d& own, const Eigen::Vector3d& spin, const Eigen::Vector3d& normal);
+
 /// Returns the bounds (m) of a rigid body in a tick if nothing stops it.
 Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick);
 

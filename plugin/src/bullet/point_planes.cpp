@@ -14,6 +14,7 @@
 #include "solver/point_state.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -63,32 +64,6 @@ void findContacts(SoftBodyData& body, std::uint32_t i, const btCollisionObject& 
   body.world->contactPairTest(&probeAt(body, i), const_cast<btCollisionObject*>(&partner), results);
 }
 
-/// The point of a box that is nearest to a point (m, in the world), and the unit normal, from the box to the
-/// point, or outward if the point is inside.
-struct NearestOnBox {
-  Vector3d surface, normal;
-};
-
-/// Computes it in closed form. Bullet's general narrowphase rounds the box's edges with the shape's margin,
-/// usually 4 cm: a point could be centimetres inside the visible box, which the edges and triangles of a
-/// surface do collide with. In single precision it also sometimes puts a point that rests on a box
-/// centimetres above it.
-NearestOnBox nearestOnBox(const btBoxShape& box, const btTransform& pose, const Vector3d& point) {
-  const Vector3d half = toEigen(box.getHalfExtentsWithMargin());
-  const Vector3d local = toEigen(pose.invXform(toBullet(point)));
-  Vector3d surface = local.cwiseMax(-half).cwiseMin(half);
-  Vector3d outward = local - surface;
-  if (outward.isZero(0.0)) {
-    Eigen::Index axis;
-    (half - local.cwiseAbs()).minCoeff(&axis);
-    const double side = local[axis] < 0.0 ? -1.0 : 1.0;
-    outward = side * Vector3d::Unit(axis);
-    surface[axis] = side * half[axis];
-  }
-  const btVector3 normal = pose.getBasis() * toBullet(outward.normalized());
-  return {toEigen(pose * toBullet(surface)), toEigen(normal).normalized()};
-}
-
 /// Returns the largest distance (m) by which a box in the shape appears too far away to Bullet's narrowphase.
 /// It sweeps a ball with the radius of the margin m around a smaller box, whose corners are sqrt(3) m inside
 /// the corners of the box: sqrt(3) m - m.
@@ -101,6 +76,20 @@ btScalar roundingOf(const btCollisionShape& shape) {
   for (int i = 0; i < compound.getNumChildShapes(); ++i)
     rounding = btMax(rounding, roundingOf(*compound.getChildShape(i)));
   return rounding;
+}
+
+/// Finds the nearest point on a part of an object that Bullet has found near a point. Bullet's narrowphase
+/// rounds the edges of boxes with their margin, usually 4 cm, and loses the margins of parts nearer than a
+/// millimetre: points sink into coins. Returns false where only Bullet can tell: for triangles, and deep
+/// inside a convex part.
+bool findNearest(const btCollisionShape& shape, const btTransform& pose, const Vector3d& x,
+                 HeldPoint& nearest) {
+  if (const std::optional<HeldPiece> solid = solidOf(shape, pose)) {
+    nearest = nearestOn(&*solid, &*solid + 1, x);
+    return true;
+  }
+  return shape.isConvex() && shape.getShapeType() != TRIANGLE_SHAPE_PROXYTYPE &&
+         findNearestOutside(static_cast<const btConvexShape&>(shape), pose, x, nearest);
 }
 
 // --- rows of one pair --------------------------------------------------------------------------------------
@@ -122,9 +111,11 @@ struct PlaneRows {
     PlaneContact row = makeRow();
     row.normal = normal.normalized();
     row.touch = toEigen(surface) + (radius() - standingDepth(*body.world, partner, row.normal)) * row.normal;
-    // what does not slide turns with the object, and its point masses with it: their centres are farther out
+    // the point's centre is a radius above its surface: it moves as the object does there, as far as it turns
+    // with it
+    const Vector3d place = row.touch - (1.0 - turning(row.normal)) * radius() * row.normal;
     const SurfaceVelocity motion =
-        surfaceVelocityOf(partner, kinematicDisplacement(partner, row.touch), row.normal, double(tick));
+        surfaceVelocityOf(partner, kinematicDisplacement(partner, place), row.normal, double(tick));
     row.surfaceVelocity = motion.velocity, row.surfaceAcceleration = motion.acceleration;
     for (std::size_t i = first; i < body.contacts.size(); ++i)
       if (body.contacts[i].normal.dot(row.normal) > kSameSurface) {
@@ -139,16 +130,9 @@ struct PlaneRows {
     if (height - radius() <= searchDistance) add(normal, toBullet(position() - height * normal));
   }
 
-  void addOnBox(const btBoxShape& box, const btTransform& pose) {
-    const NearestOnBox nearest = nearestOnBox(box, pose, position());
-    if (nearest.normal.dot(position() - nearest.surface) - radius() <= searchDistance)
-      add(nearest.normal, toBullet(nearest.surface));
-  }
-
-  void addOnPlane(const btStaticPlaneShape& plane, const btTransform& pose) {
-    const Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
-    const btVector3 onPlane = pose * (plane.getPlaneNormal() * plane.getPlaneConstant());
-    addBelow(normal, normal.dot(position() - toEigen(onPlane)));
+  void addIfNear(const HeldPoint& nearest) {
+    if (nearest.height - radius() <= searchDistance)
+      add(nearest.normal, toBullet(position() - nearest.height * nearest.normal));
   }
 
   /// Adds a contact whose plane follows the pieces of `owner` in `around` within the step. `contact` is its
@@ -160,6 +144,13 @@ struct PlaneRows {
     row.away = !contact;
     if (contact) row.normal = contact->normal, row.touch = contact->touch;
     push(row);
+  }
+
+  /// Returns the share of the partner's rotation that the point's surroundings have: 1 of a rope around a
+  /// drum, 0 of a parcel on rollers.
+  double turning(const Vector3d& normal) const {
+    if (!body.localSpins.areKnown) return 0.0;
+    return turningShare(body.localSpins.spins.col(point), spinOf(partner, double(tick)), normal);
   }
 
   PlaneContact makeRow() const {
@@ -226,14 +217,16 @@ void addFoundRows(PlaneRows& rows, SoftBodyData& body, std::uint32_t i, const bt
   CachedContact only;
   const auto found = [&](const btCollisionObjectWrapper& theirs, btScalar gap, const btVector3& normal,
                          const btVector3& surface) {
-    const btCollisionShape& shape = *theirs.getCollisionShape();
-    if (surfaceBody && shape.getShapeType() == BOX_SHAPE_PROXYTYPE)
-      return rows.addOnBox(static_cast<const btBoxShape&>(shape), theirs.getWorldTransform());
-    if (gap > distance) return;
-    only = {stamp, pose.invXform(surface), normal * pose.getBasis(),
+    HeldPoint nearest = {toEigen(normal), double(gap) + rows.radius(), false};
+    btVector3 there = surface;
+    if (surfaceBody &&
+        findNearest(*theirs.getCollisionShape(), theirs.getWorldTransform(), rows.position(), nearest))
+      there = toBullet(rows.position() - nearest.height * nearest.normal);
+    if (nearest.height - rows.radius() > double(distance)) return;
+    only = {stamp, pose.invXform(there), toBullet(nearest.normal) * pose.getBasis(),
             pose.invXform(toBullet(rows.position()))};
     ++count;
-    rows.add(toEigen(normal), surface);
+    rows.add(nearest.normal, there);
   };
   const btScalar rounding = surfaceBody ? roundingOf(*partner.getCollisionShape()) : btScalar(0);
   findContacts(body, i, partner, distance + rounding, found);
@@ -472,10 +465,9 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const btCollisionShape& shape = *partner.getCollisionShape();
   const btTransform& pose = partner.getWorldTransform();
   const bool surfaceBody = isSurfaceBody(body);
-  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE)
-    return rows.addOnPlane(static_cast<const btStaticPlaneShape&>(shape), pose);
-  if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE && surfaceBody)
-    return rows.addOnBox(static_cast<const btBoxShape&>(shape), pose);
+  const bool isPlane = shape.getShapeType() == STATIC_PLANE_PROXYTYPE;
+  if (const std::optional<HeldPiece> solid = isPlane || surfaceBody ? solidOf(shape, pose) : std::nullopt)
+    return rows.addIfNear(nearestOn(&*solid, &*solid + 1, rows.position()));
   if (surfaceBody && body.surface.contacts.empty()) body.surface.contacts.resize(pointCount(body));
   const bool isSlow = distance <= kSlowSearchDistance * rows.radius();
   if (!isSlow || !(surfaceBody ? addStoredRow(rows, body.surface.contacts[i], partner, stamp)
@@ -522,22 +514,20 @@ void addPairs(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, d
   const SearchRegion searchRegion = searchRegionOf(body, i, tick, motion);
   if (!overlaps(searchRegion, partner) || !canHit(body, i, partner)) return;
   const std::size_t first = found.contacts.size();
-  const btCollisionShape& shape = *partner.getCollisionShape();
-  if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) {
-    const Vector3d x = body.state.position.col(i);
-    const NearestOnBox nearest =
-        nearestOnBox(static_cast<const btBoxShape&>(shape), partner.getWorldTransform(), x);
-    const double gap = nearest.normal.dot(x - nearest.surface) - radiusOf(body);
-    if (gap <= searchRegion.distance)
-      addPair(body, i, partner, nearest.normal, nearest.surface, first, found);
-    return;
-  }
-  const auto distance = static_cast<btScalar>(searchRegion.distance);
+  const Vector3d x = body.state.position.col(i);
+  const auto addIfNear = [&](const HeldPoint& nearest) {
+    if (nearest.height - radiusOf(body) <= searchRegion.distance)
+      addPair(body, i, partner, nearest.normal, x - nearest.height * nearest.normal, first, found);
+  };
+  if (const std::optional<HeldPiece> solid =
+          solidOf(*partner.getCollisionShape(), partner.getWorldTransform()))
+    return addIfNear(nearestOn(&*solid, &*solid + 1, x));
   findContacts(
-      body, i, partner, distance,
-      [&](const btCollisionObjectWrapper&, btScalar gap, const btVector3& normal, const btVector3& surface) {
-        if (gap <= distance)
-          addPair(body, i, partner, toEigen(normal).normalized(), toEigen(surface), first, found);
+      body, i, partner, static_cast<btScalar>(searchRegion.distance),
+      [&](const btCollisionObjectWrapper& theirs, btScalar gap, const btVector3& normal, const btVector3&) {
+        HeldPoint nearest = {toEigen(normal).normalized(), double(gap) + radiusOf(body), false};
+        findNearest(*theirs.getCollisionShape(), theirs.getWorldTransform(), x, nearest);
+        addIfNear(nearest);
       });
 }
 

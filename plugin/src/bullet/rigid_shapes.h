@@ -175,8 +175,14 @@ RigidPart* trianglesIn(const SweptBox& box, const btCollisionObject& object, Con
 
 // --- static and kinematic objects --------------------------------------------------------------------------
 
-/// Returns the piece of an object whose shape is one convex solid but not a hull, owner 0.
+/// Returns the piece of a convex solid, but not of a hull, or of an object whose shape is one. Owner 0.
+std::optional<HeldPiece> solidOf(const btCollisionShape& shape, const btTransform& pose);
 std::optional<HeldPiece> solidOf(const btCollisionObject& object);
+
+/// Finds the nearest point on any convex shape by Bullet's GJK. Returns false if `x` (m) is inside the shape
+/// without its margin.
+bool findNearestOutside(const btConvexShape& shape, const btTransform& pose, const Eigen::Vector3d& x,
+                        HeldPoint& nearest);
 
 /// Adds the pieces of an object's shape in a box (m, in the world): convex solids whole, hulls of many faces
 /// and sheets as triangles. Each solid and each sheet is one owner, numbered from `owner` on. Returns the

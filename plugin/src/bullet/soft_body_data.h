@@ -243,6 +243,13 @@ struct Cut {
   std::vector<Eigen::Vector3d> corners;  ///< m, of a blade's region; empty: the whole plane
 };
 
+/// How the surroundings of each point turn, for friction on objects that turn.
+struct LocalSpins {
+  bool areKnown = false;                  ///< a kinematic object that turns is near in this tick
+  Eigen::Matrix3Xd spins;                 ///< 3 x #points, rad/s
+  std::vector<Eigen::Matrix3d> inertias;  ///< scratch, m^2
+};
+
 /// The data of a SoftBody.
 struct SoftBodyData {
   std::shared_ptr<const BodyModel> model;
@@ -282,6 +289,7 @@ struct SoftBodyData {
   std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;     ///< of points, in `held`; kept to reuse
                                                                       ///< the memory
   std::size_t neighbourhoodCount = 0;                                 ///< of the present tick
+  LocalSpins localSpins;
   std::vector<double> searchDistance;              ///< #points, m, of the search for contacts
   std::unique_ptr<SearchWatch> watch;              ///< finds contacts beyond the search distance
   ContactSpeeds speeds;                            ///< of the present tick
