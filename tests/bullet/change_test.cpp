@@ -374,6 +374,26 @@ TEST(ChangeOfGroups, aSeamBreaksFirst) {
   EXPECT_EQ(spring.b, 2u);
 }
 
+/// A muscle: two points on a spring of three halves of its strength.
+TEST(ChangeOfGroups, aMusclePullsByItsRestLength) {
+  const SharedNetwork network = *withGroup(*test::chainNetwork(4), "muscle", {1, 2});
+  World world(0.0, test::testedSettings(), network);
+  world.body->pin(1);
+  world.body->pin(2);
+  world.change([](SoftBodySettings& s) { s.groups = {{"muscle", 1.5, 1.0, 1.0, 1.0, 0.8}}; });
+  EXPECT_NEAR((world.body->position(2) - world.body->position(1)).norm(), 0.25, kFloat)
+      << "nothing moves at once";
+  world.bullet.simulate(0.1);
+  const double force = 1.5 * world.body->settings().extensionStiffness * 0.2 * 0.25;
+  EXPECT_NEAR(double(world.body->pinForce(1).length()), force, 1e-4 * force);
+  // let go it becomes as long as it wants to be, with the rest of the chain
+  world.body->unpin(2);
+  world.change([](SoftBodySettings& s) { s.damping = 3.0, s.sleepingSpeed = 0.0; });
+  world.bullet.simulate(20.0);
+  EXPECT_NEAR((world.body->position(2) - world.body->position(1)).norm(), 0.8 * 0.25, 1e-5);
+  EXPECT_NEAR((world.body->position(3) - world.body->position(2)).norm(), 0.25, 1e-5);
+}
+
 TEST(ChangeOfGroups, namesAndIndicesAreChecked) {
   const SharedNetwork chain = test::chainNetwork(4);
   const SpringNetwork& network = *chain;

@@ -101,6 +101,8 @@ struct GroupSettings {
   double damping = 1.0;      ///< of its springs, 0 to 1e6
   double limitStrain = 1.0;  ///< of the strains of ElasticLimit, for its springs, 1e-6 to 1e6
   double mass = 1.0;         ///< of its points, 1e-3 to 1e3; comes on top of totalMass
+  double restLength =
+      1.0;  ///< of its springs, 1e-3 to 1e3: below 1 they pull, as muscles, straps and tight skins do
 };
 
 /// All properties of a soft body except its shape. SI units: metres, kilograms, seconds, newtons, radians.

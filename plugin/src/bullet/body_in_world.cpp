@@ -130,7 +130,7 @@ std::vector<double> modelKey(const SpringNetwork& network, const SoftBodySetting
     const auto same = [&](const NamedGroup& group) { return group.name == g.name; };
     const auto it = std::find_if(network.groups.begin(), network.groups.end(), same);
     const auto number = static_cast<double>(it - network.groups.begin());
-    key.insert(key.end(), {number, g.stiffness, g.damping, g.limitStrain, g.mass});
+    key.insert(key.end(), {number, g.stiffness, g.damping, g.limitStrain, g.restLength, g.mass});
   }
   return key;
 }

@@ -37,7 +37,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 7, 7};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 8, 8};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -97,12 +97,13 @@ void transferMaterial(Stream& stream, Settings& s) {
   stream.value("friction", s.friction);
   stream.value("restitution", s.restitution);
   transferLimit(stream, s.elasticLimit);
-  stream.resize("groups", s.groups, 5 * sizeof(double));
+  stream.resize("groups", s.groups, 6 * sizeof(double));
   for (auto& group : s.groups) {
     stream.array("letters of a group's name", group.name);
     stream.value("stiffness of a group", group.stiffness);
     stream.value("damping of a group", group.damping);
     stream.value("limitStrain of a group", group.limitStrain);
+    stream.value("restLength of a group", group.restLength);
     stream.value("mass of a group", group.mass);
   }
 }

@@ -86,6 +86,7 @@ Result<void> checkGroups(const std::vector<GroupSettings>& groups) {
         {"stiffness", g.stiffness, 0, 1e6, "from 0 to 1e6"},
         {"damping", g.damping, 0, 1e6, "from 0 to 1e6"},
         {"limitStrain", g.limitStrain, 1e-6, 1e6, "from 1e-6 to 1e6"},
+        {"restLength", g.restLength, 1e-3, 1e3, "from 1e-3 to 1e3"},
         {"mass", g.mass, 1e-3, 1e3, "from 1e-3 to 1e3"},
     };
     if (Result<void> valid = firstViolation(checks); !valid)

@@ -27,6 +27,7 @@ GroupFactors::GroupFactors(const SpringNetwork& network, const std::vector<Group
     : stiffness(network.springs.size(), 1.0),
       damping(stiffness),
       limitStrain(stiffness),
+      restLength(stiffness),
       mass(network.restPoints.size(), 1.0) {
   for (const GroupSettings& settings : groups) {
     const NamedGroup* group = findGroup(network, settings.name);
@@ -35,6 +36,7 @@ GroupFactors::GroupFactors(const SpringNetwork& network, const std::vector<Group
       stiffness[i] *= settings.stiffness;
       damping[i] *= settings.damping;
       limitStrain[i] *= settings.limitStrain;
+      restLength[i] *= settings.restLength;
     }
     for (const std::uint32_t i : group->points) mass[i] *= settings.mass;
   }
@@ -62,7 +64,7 @@ SpringArrays makeSprings(const SpringNetwork& network, const SoftBodySettings& s
     const Eigen::Vector3d d = network.restPoints[spring.b] - network.restPoints[spring.a];
     s.a.push_back(spring.a);
     s.b.push_back(spring.b);
-    s.restLength.push_back(d.cwiseProduct(settings.scale).norm());
+    s.restLength.push_back(factors.restLength[i] * d.cwiseProduct(settings.scale).norm());
     const double scale = spring.stiffnessScale * factors.stiffness[i];
     s.extensionStiffness.push_back(settings.extensionStiffness * scale);
     s.compressionStiffness.push_back(settings.compressionStiffness * scale);

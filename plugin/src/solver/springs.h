@@ -61,8 +61,8 @@ struct SpringArrays {
 
 /// The factors of a group apply to its members. Returns the products for all points and springs of a network.
 struct GroupFactors {
-  std::vector<double> stiffness, damping, limitStrain;  ///< #springs
-  std::vector<double> mass;                             ///< #points
+  std::vector<double> stiffness, damping, limitStrain, restLength;  ///< #springs
+  std::vector<double> mass;                                         ///< #points
 
   GroupFactors(const SpringNetwork& network, const std::vector<GroupSettings>& groups);
 };
