@@ -81,7 +81,7 @@ SoftBodySettings rolledSettings(Dice& dice) {
   s.compressionStiffness = s.extensionStiffness;
   if (dice.chance(0.3)) roll(dice, s.compressionStiffness, 0, 1e12, 1e-6);
   roll(dice, s.damping, 0, 1e12, 1e-9);
-  roll(dice, s.totalMass, 1e-9, 1e9, 1e-9);
+  roll(dice, s.totalMass, 1e-9, 1e12, 1e-9);
   if (dice.chance(0.3)) s.volumeModulus = anyIn(dice, 0, 1e15, 1e-6);
   if (dice.chance(0.3)) roll(dice, s.pressure, 0, 1e12, 1e-6);
   if (dice.chance(0.3)) roll(dice, s.ambientPressure, 0, 1e12, 1e-6);

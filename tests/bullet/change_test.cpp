@@ -292,7 +292,7 @@ TEST(Change, errorsChangeNothing) {
     return world.body->change(s).error();
   };
   EXPECT_EQ(errorOf([](SoftBodySettings& s) { s.totalMass = -1.0; }),
-            "settings: totalMass is -1, must be from 1e-9 to 1e9");
+            "settings: totalMass is -1, must be from 1e-9 to 1e12");
   EXPECT_EQ(errorOf([](SoftBodySettings& s) { s.scale.x() = -1.0; }),
             "settings: scale.x cannot change its sign while the body lives");
   EXPECT_EQ(errorOf([](SoftBodySettings& s) {

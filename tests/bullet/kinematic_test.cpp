@@ -143,6 +143,28 @@ TEST_P(KinematicIdioms, aBodyThatIsPlacedElsewherePushesNothingOnItsWay) {
   }
 }
 
+/// A paddle that starts at once at 7 m/s hits a cube in worlds of metres and of centimetres alike.
+TEST(PlacedKinematicBodies, thatOnlyMoveFastAreNotInAnyUnit) {
+  for (const double unit : {1.0, 100.0}) {
+    BulletWorld bullet;
+    bullet.world->setGravity(vec(0, -9.81 * unit, 0));
+    SoftBodySystem system(*bullet.world);
+    Mover paddle(bullet, std::make_unique<btBoxShape>(vec(0.03 * unit, 0.05 * unit, 0.05 * unit)),
+                 at(vec(-0.2 * unit, 0.05 * unit, 0)), Idiom::Placed);
+    SoftBodySettings s = cubeAt({0, 0.05 * unit, 0}, 1000.0);
+    s.scale.setConstant(0.1 * unit);
+    s.gravityFactor = 0.0;
+    s.pointRadius = 0.003 * unit;
+    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    bullet.simulate(0.1);
+    for (int i = 1; i <= 6; ++i) {
+      paddle.moveTo(at(vec((-0.2 + 7.0 * i / 60.0) * unit, 0.05 * unit, 0)));
+      bullet.tick();
+    }
+    EXPECT_GT(cube->linearMomentum().x() / cube->totalMass(), 5.0 * unit) << unit;
+  }
+}
+
 TEST(PlacedKinematicBodies, pushNothingAtAnyDistance) {
   for (const double distance : {0.2, 1.0, 3.0, 60.0}) {
     BulletWorld bullet;

@@ -118,7 +118,7 @@ struct SoftBodySettings {
   double extensionStiffness = 1000.0;    ///< N/m of each spring while longer than at rest, 0 to 1e12
   double compressionStiffness = 1000.0;  ///< N/m of each spring while shorter than at rest, 0 to 1e12
   double damping = 1.0;                  ///< N s/m along each spring, 0 to 1e12; does not limit the time step
-  double totalMass = 1.0;                ///< kg, 1e-9 to 1e9
+  double totalMass = 1.0;                ///< kg, 1e-9 to 1e12
 
   std::optional<double> volumeModulus;  ///< Pa, 0 to 1e15, resists changes of the volume inside a closed
                                         ///< surface; default: for each closed piece the combined stiffness

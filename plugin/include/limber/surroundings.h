@@ -43,12 +43,12 @@ struct FlowCoefficients {
 /// Returns the velocity (m/s) of the air at a place (m) and time (s since the system was made). Called for
 /// every point of an awake body with drag, where it will be in the middle of the tick, on any thread and on
 /// several at a time with setParallelFor(). It must not throw, and gives equal results for equal arguments if
-/// runs shall be equal. Results that are not finite count as 0, and others are limited to 1e4 m/s.
+/// runs shall be equal. Results that are not finite count as 0, and others are limited to 1e6 m/s.
 using WindFunction = std::function<Eigen::Vector3d(const Eigen::Vector3d& place, double time)>;
 
 struct Air {
-  double density = 1.2;                            ///< kg/m^3, 0 (none) to 1e4
-  Eigen::Vector3d wind = Eigen::Vector3d::Zero();  ///< m/s, each component to 1e4
+  double density = 1.2;                            ///< kg/m^3, 0 (none) to 1e9
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();  ///< m/s, each component to 1e6
   WindFunction windAt;                             ///< if set, is added to `wind`
 };
 
@@ -59,9 +59,9 @@ struct Air {
 /// water acts as a whole, with that inertia, and the waves carry its energy away (unless FlowCoefficients::
 /// linearDrag is set), so that it comes to rest. The pressure compresses soft bodies: they displace less.
 struct Water {
-  double density = 1000.0;                         ///< kg/m^3, above 0, to 1e5
+  double density = 1000.0;                         ///< kg/m^3, 1e-15 to 1e9
   double level = 0.0;                              ///< m, to 1e6, height of the plane against gravity
-  Eigen::Vector3d flow = Eigen::Vector3d::Zero();  ///< m/s, velocity, each component to 1e4
+  Eigen::Vector3d flow = Eigen::Vector3d::Zero();  ///< m/s, velocity, each component to 1e6
 };
 
 /// Returns gusts for Air::windAt: frozen turbulence that the mean wind (m/s) carries along, at most

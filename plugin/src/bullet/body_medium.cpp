@@ -37,7 +37,7 @@ constexpr double kSolidDragInWater = 1.0;
 constexpr double kMaxLocalPhase = 0.5;
 
 /// m/s, the largest wind that is taken from the user's function.
-constexpr double kMaxWind = 1e4;
+constexpr double kMaxWind = 1e6;
 
 /// m/s, change of the wind that wakes a body.
 constexpr double kWakingWind = 0.5;

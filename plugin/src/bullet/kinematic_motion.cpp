@@ -70,14 +70,20 @@ bool hasNoVelocity(const btCollisionObject& object) {
 
 /// Returns whether the object jumps: by more than half its size in a tick, at a speed that no motion has
 /// right after a slow one. A controller that warps its character does not say that this is no motion.
-/// `lastStart`, `lastEnd`: the poses of the tick before.
-bool jumps(const KinematicMotion& m, const btTransform& lastStart, const btTransform& lastEnd,
+/// `lastStart`, `lastEnd`: the poses of the tick before. `slowest`: m/s, see slowestJump().
+bool jumps(const KinematicMotion& m, const btTransform& lastStart, const btTransform& lastEnd, double slowest,
            btScalar tick) {
-  constexpr double kSlowest = 100.0, kFaster = 4.0;  // m/s, and times the last displacement
+  constexpr double kFaster = 4.0;  // times the last displacement
   const double displacement = displacementOf(*m.object, m.start, m.target) / std::max(m.ticksLeft, 1);
   if (displacement < boundingRadiusOf(*m.object)) return false;
-  return isCharacter(*m.object) || (displacement > kSlowest * double(tick) &&
+  return isCharacter(*m.object) || (displacement > slowest * double(tick) &&
                                     displacement > kFaster * displacementOf(*m.object, lastStart, lastEnd));
+}
+
+/// Returns the speed (m/s) of the slowest jump: 100 m/s, or what a fall reaches in ten seconds, so that
+/// worlds of centimetres have a hundred times as much.
+double slowestJump(const btDiscreteDynamicsWorld& world) {
+  return std::max(100.0, 10.0 * double(world.getGravity().length()));
 }
 
 KinematicMotion newMotion(btCollisionObject& object) {
@@ -108,7 +114,7 @@ bool isReachedByVelocity(const KinematicMotion& m, btScalar tick) {
 
 /// Starts the motion to a new pose. Where Bullet's velocity does not lead there, the user has placed the
 /// object elsewhere, with both of its poses, before its motion in this step.
-void startMotion(KinematicMotion& m, const btTransform& lastStart, btScalar tick) {
+void startMotion(KinematicMotion& m, const btTransform& lastStart, double slowestJump, btScalar tick) {
   const btTransform lastEnd = m.start;
   // it got to its last target, in fewer ticks than were expected
   if (m.ticksLeft > 0) m.start = m.target;
@@ -119,16 +125,17 @@ void startMotion(KinematicMotion& m, const btTransform& lastStart, btScalar tick
   if (known && !isReachedByVelocity(m, tick)) {
     m.start = startOfPlaced(*m.object, tick);
     m.ticksLeft = 1;
-  } else if (jumps(m, lastStart, lastEnd, tick)) {
+  } else if (jumps(m, lastStart, lastEnd, slowestJump, tick)) {
     m.start = m.target;
     m.ticksLeft = 0;
   }
 }
 
-void advance(KinematicMotion& m, btScalar tick) {
+void advance(KinematicMotion& m, double slowestJump, btScalar tick) {
   const btTransform lastStart = m.start;
   m.start = m.end;
-  if (!(m.object->getWorldTransform() == m.target) || m.ticksLeft < 1) startMotion(m, lastStart, tick);
+  if (!(m.object->getWorldTransform() == m.target) || m.ticksLeft < 1)
+    startMotion(m, lastStart, slowestJump, tick);
   m.end = m.ticksLeft > 1 ? interpolate(m.start, m.target, btScalar(1) / btScalar(m.ticksLeft)) : m.target;
   m.ticksLeft = std::max(m.ticksLeft - 1, 0);
 }
@@ -205,7 +212,7 @@ void KinematicMotions::follow(const btDiscreteDynamicsWorld& world, const Moving
     else if (motion.recordedBetweenSteps && hasNoVelocity(object))
       motion.end = object.getWorldTransform();
     motion.recordedBetweenSteps = false;
-    advance(motion, tick);
+    advance(motion, slowestJump(world), tick);
     placeVertically(motion, world.getGravity());
     fitBox(motion);
     motions_.push_back(motion);

@@ -127,7 +127,7 @@ Result<void> validate(const SoftBodySettings& s) {
       {"compressionStiffness", s.compressionStiffness, 0, 1e12, "from 0 to 1e12"},
       {"damping", s.damping, 0, 1e12, "from 0 to 1e12"},
       {"collision", static_cast<double>(s.collision), 0, double(Collision::Surface), "one of Collision's"},
-      {"totalMass", s.totalMass, 1e-9, 1e9, "from 1e-9 to 1e9"},
+      {"totalMass", s.totalMass, 1e-9, 1e12, "from 1e-9 to 1e12"},
       {"volumeModulus", s.volumeModulus.value_or(0.0), 0, 1e15, "from 0 to 1e15"},
       {"pressure", s.pressure, 0, 1e12, "from 0 to 1e12"},
       {"ambientPressure", s.ambientPressure, 0, 1e12, "from 0 to 1e12"},
@@ -185,26 +185,26 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// m/s, thirty times the speed of sound.
-constexpr double kMaxFlowSpeed = 1e4;
+/// m/s, in worlds of millimetres three times the speed of sound.
+constexpr double kMaxFlowSpeed = 1e6;
 
 Result<void> checkFlowVelocity(const std::string& name, const Vector3d& v) {
   for (std::size_t i = 0; i < 3; ++i)
     if (!(std::abs(v[static_cast<Eigen::Index>(i)]) <= kMaxFlowSpeed))
-      return Error{mustBe(name + "." + "xyz"[i], v[static_cast<Eigen::Index>(i)], "from -1e4 to 1e4")};
+      return Error{mustBe(name + "." + "xyz"[i], v[static_cast<Eigen::Index>(i)], "from -1e6 to 1e6")};
   return {};
 }
 
 }  // namespace
 
 Result<void> validate(const Air& air) {
-  const Check checks[] = {{"density", air.density, 0, 1e4, "from 0 to 1e4"}};
+  const Check checks[] = {{"density", air.density, 0, 1e9, "from 0 to 1e9"}};
   if (Result<void> valid = firstViolation(checks); !valid) return valid;
   return checkFlowVelocity("wind", air.wind);
 }
 
 Result<void> validate(const Water& water) {
-  const Check checks[] = {{"density", water.density, 1e-9, 1e5, "from 1e-9 to 1e5"},
+  const Check checks[] = {{"density", water.density, 1e-15, 1e9, "from 1e-15 to 1e9"},
                           {"level", water.level, -1e6, 1e6, "from -1e6 to 1e6"}};
   if (Result<void> valid = firstViolation(checks); !valid) return valid;
   return checkFlowVelocity("flow", water.flow);
