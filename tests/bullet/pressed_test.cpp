@@ -2,6 +2,7 @@
 // A kinematic hand that presses something farther than it can yield: the forces stay finite.
 #include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/networks.h"
 #include "support/small_meshes.h"
 #include "support/tested_way.h"
 

@@ -205,6 +205,70 @@ TEST(RigidNeighbours, onASpringOfNoForceHitEachOtherAtLeastAsExactlyAsWithoutIt)
   }
 }
 
+/// A ball on a spring of no force passes another of the same size along x at 5 m/s. `aside`: m, of their
+/// centres. Returns its velocity (m/s) afterwards.
+Eigen::Vector3d velocityPast(double aside, double restitution, double tick) {
+  BulletWorld bullet(0.0);
+  const auto add = [&](double x, double z) {
+    btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.05)), 0.2, vec(x, 0, z));
+    ball->setActivationState(DISABLE_DEACTIVATION);
+    ball->setFriction(0);
+    ball->setRestitution(btScalar(restitution));
+    return ball;
+  };
+  btRigidBody *moving = add(-0.523, aside), *other = add(0, 0);
+  SoftBodySystem system(*bullet.world);
+  for (btRigidBody* ball : {moving, other}) attachWeakSpring(system, ball);
+  moving->setLinearVelocity(vec(5, 0, 0));
+  bullet.simulate(0.25, tick);
+  return eigen(moving->getLinearVelocity());
+}
+
+/// Contacts with the normal at the start of the tick deflected balls that pass by 9 degrees.
+TEST(RigidNeighbours, thatPassEachOtherByAHairDoNotTouch) {
+  for (const double tick : {1.0 / 60.0, 1.0 / 120.0, 1.0 / 240.0})
+    for (const double gap : {0.0005, 0.001, 0.003})
+      EXPECT_LT((velocityPast(0.1 + gap, 1.0, tick) - Eigen::Vector3d(5, 0, 0)).norm(), 1e-4)
+          << tick << ' ' << gap;
+}
+
+/// Without friction, and with restitution 1, the velocity along the line of centres goes over to the other
+/// ball.
+TEST(RigidNeighbours, hitEachOtherObliquelyAlongTheirLineOfCentres) {
+  for (const double tick : {1.0 / 60.0, 1.0 / 120.0, 1.0 / 240.0})
+    for (const double share : {0.2, 0.5, 0.9}) {
+      const Eigen::Vector3d line(std::sqrt(1.0 - share * share), 0.0, -share), before(5, 0, 0);
+      const Eigen::Vector3d after = before - before.dot(line) * line;
+      // the tick after which they touch is one long
+      EXPECT_LT((velocityPast(0.1 * share, 1.0, tick) - after).norm(), 0.01) << tick << ' ' << share;
+    }
+}
+
+/// As users leave pairs out for good: Bullet has no collision algorithm for them.
+void leaveOutAll(btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&) {}
+
+TEST(RigidNeighbours, thatANearCallbackLeavesOutPassThroughEachOther) {
+  for (const bool box : {false, true})
+    for (const double speed : {0.3, 2.0}) {
+      BulletWorld bullet(0.0);
+      bullet.dispatcher.setNearCallback(leaveOutAll);
+      btRigidBody* other =
+          box ? bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, 0, 0))
+              : bullet.add(std::make_unique<btSphereShape>(btScalar(0.1)), 1.0, vec(0, 0, 0));
+      btRigidBody* moving =
+          bullet.add(std::make_unique<btSphereShape>(btScalar(0.1)), 1.0, vec(-0.203, 0, 0));
+      SoftBodySystem system(*bullet.world);
+      for (btRigidBody* body : {moving, other}) {
+        body->setActivationState(DISABLE_DEACTIVATION);
+        attachWeakSpring(system, body);
+      }
+      bullet.tick();
+      moving->setLinearVelocity(vec(speed, 0, 0));
+      bullet.simulate(0.5);
+      EXPECT_NEAR(double(moving->getLinearVelocity().x()), speed, 1e-4) << box << ' ' << speed;
+    }
+}
+
 /// Returns the height (m) to which a box of 2 kg hops when it is dropped from 2 cm and then pushed.
 double hop(bool onSpring) {
   BulletWorld bullet;

@@ -10,7 +10,6 @@
 #include "bullet/tick_contacts.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <BulletCollision/NarrowPhaseCollision/btGjkConvexCast.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
 #include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
 
@@ -31,9 +30,6 @@ constexpr int kMaxParts = 64;
 /// m, and as a share of the smaller body's radius: the largest distance of the bodies where their contacts
 /// are sought.
 constexpr btScalar kApart = btScalar(0.001), kApartShare = btScalar(0.003);
-
-/// Spheres whose ways (m) are a smaller share of their distance keep the normal between them.
-constexpr btScalar kNearShare = btScalar(0.25);
 
 /// Contacts are nearer to each other than this share of the body's radius only if they are one.
 constexpr btScalar kSamePlace = btScalar(0.05);
@@ -124,20 +120,27 @@ struct Touch {
 };
 
 /// Moves a part along a way (m) towards one that does not move. Returns the touch, `first` if that comes
-/// sooner.
-Touch sooner(const Touch& first, const Part& a, const Part& b, const btVector3& way) {
-  btVoronoiSimplexSolver simplex;
-  btGjkConvexCast cast(a.shape, b.shape, &simplex);
-  btConvexCast::CastResult result;
-  result.m_fraction = 1;
-  if (!cast.calcTimeOfImpact(a.pose, displaced(a.pose, way), b.pose, b.pose, result) ||
-      !(result.m_fraction < first.fraction) || result.m_normal.fuzzyZero())
-    return first;
-  Touch touch;
-  touch.a = a, touch.b = b;
-  touch.fraction = result.m_fraction;
-  touch.normal = result.m_normal.normalized();
-  return touch;
+/// sooner. The distance of two convex parts is a convex function of a displacement, its slope that along the
+/// normal: Newton's method comes to the touch from before it, or finds that the way leads past. `apart`: m,
+/// its resolution.
+Touch sooner(const Touch& first, const Part& a, const Part& b, const btVector3& way, btScalar apart) {
+  constexpr int kMaxSteps = 16;
+  btScalar fraction = 0;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const Nearest nearest({a.shape, displaced(a.pose, fraction * way)}, b);
+    const btScalar approach = -way.dot(nearest.normal);
+    if (!nearest.found || !(approach > 0)) return first;
+    if (nearest.distance <= apart) {
+      Touch touch;
+      touch.a = a, touch.b = b;
+      touch.fraction = fraction;
+      touch.normal = nearest.normal;
+      return touch;
+    }
+    fraction += nearest.distance / approach;
+    if (!(fraction < first.fraction)) return first;
+  }
+  return first;
 }
 
 /// The same for a static plane as b.
@@ -155,16 +158,16 @@ Touch sooner(const Touch& first, const Part& a, const HalfSpace& b, const btVect
 /// Moves the parts of a along a way (m) relative to b.
 Touch firstTouch(const btCollisionObject& a, const btCollisionObject& b, const btVector3& way) {
   Touch first;
+  const btScalar apart = std::min(kApart, kApartShare * btScalar(boundingRadiusOf(a)));
   forEachPart(*a.getCollisionShape(), a.getWorldTransform(), [&](const Part& partA) {
     if (isPlane(b)) first = sooner(first, partA, HalfSpace(b), way);
     forEachPart(*b.getCollisionShape(), b.getWorldTransform(),
-                [&](const Part& partB) { first = sooner(first, partA, partB, way); });
+                [&](const Part& partB) { first = sooner(first, partA, partB, way, apart); });
   });
   if (first.normal.isZero()) return first;
-  first.apart = std::min(kApart, kApartShare * btScalar(boundingRadiusOf(a)));
+  first.apart = apart;
   first.a.pose = displaced(first.a.pose, first.fraction * way + first.apart * first.normal);
   if (isPlane(b)) return first;
-  // the cast's own have errors of 1e-3
   first.nearest = Nearest(first.a, first.b);
   if (first.nearest.found) first.normal = first.nearest.normal;
   return first;
@@ -264,7 +267,9 @@ bool addPresent(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisio
                 btManifoldArray& manifolds, ContactPlaces& places) {
   constexpr btScalar kOverlap = btScalar(0.002);  // m
   btBroadphasePair* pair = world.getPairCache()->findPair(a.getBroadphaseHandle(), b.getBroadphaseHandle());
-  if (!pair || !pair->m_algorithm) return true;
+  if (!pair) return true;
+  // the user's near callback leaves it out
+  if (!pair->m_algorithm) return false;
   manifolds.resizeNoInitialize(0);
   pair->m_algorithm->getAllContactManifolds(manifolds);
   for (int m = 0; m < manifolds.size(); ++m)
@@ -280,7 +285,7 @@ bool addPresent(btDiscreteDynamicsWorld& world, btCollisionObject& a, btCollisio
 
 /// A touch and the way on which it comes.
 struct ComingTouch {
-  btVector3 way;
+  btVector3 way{0, 0, 0};
   Touch touch;
   bool comes() const { return !touch.normal.isZero(); }
 };
@@ -295,30 +300,79 @@ ComingTouch comingTouch(const btCollisionObject& a, const btCollisionObject& b, 
   const ComingTouch own = touchOn(ofA - ofB, a, b);
   if (own.comes()) return own;
   const ComingTouch whenStopped[] = {touchOn(-ofB, a, b), touchOn(ofA, a, b)};
-  return whenStopped[whenStopped[1].touch.fraction < whenStopped[0].touch.fraction];
+  const ComingTouch& sooner = whenStopped[whenStopped[1].touch.fraction < whenStopped[0].touch.fraction];
+  // not if their own motions lead past each other
+  const btVector3& normal = sooner.touch.normal;
+  const btScalar gap = -sooner.touch.fraction * sooner.way.dot(normal) + sooner.touch.apart;
+  const bool passes = double(own.way.length()) >= kShortWay && -own.way.dot(normal) > gap;
+  return passes ? ComingTouch() : sooner;
 }
 
-/// Adds the contact of two spheres that are nearer to each other than their short ways. Bullet has one only
-/// while they overlap: its solver would push them apart, and into what holds them, every other tick. Returns
-/// false if a way is not short.
-bool addNearSpheres(const btCollisionObject& a, const btCollisionObject& b, const ContactSpeeds& speeds,
-                    TickContacts& found) {
-  const btVector3 ofA = wayOf(a, found.tick), ofB = wayOf(b, found.tick);
-  const btScalar way = std::max({ofA.length(), ofB.length(), (ofA - ofB).length()});
+// --- pairs of spheres --------------------------------------------------------------------------------------
+
+// Bullet has a contact of two spheres only while they overlap. Its solver would push them apart, and into
+// what holds them, every other tick. Both the touch and the least distance on a straight way have closed
+// forms.
+
+/// Two spheres, b at rest.
+struct SpherePair {
+  btVector3 offset;   ///< m, of the centre of a from that of b
+  btScalar distance;  ///< m, of the centres when they touch
+
+  /// Returns the fraction of the way (m) after which a touches b, or a number above 1.
+  btScalar touchOn(const btVector3& way) const {
+    const btScalar squared = way.length2(), approach = -offset.dot(way);
+    const btScalar root = approach * approach - squared * (offset.length2() - distance * distance);
+    return approach > 0 && root >= 0 ? (approach - btSqrt(root)) / squared : btScalar(2);
+  }
+  btVector3 nearestOn(const btVector3& way) const {
+    const btScalar squared = way.length2();
+    return squared > 0 ? offset + btClamped(-offset.dot(way) / squared, btScalar(0), btScalar(1)) * way
+                       : offset;
+  }
+};
+
+/// m, 0 of what nothing moves.
+double fallIn(double tick, const btCollisionObject& object) {
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  return body && isFree(*body) ? fallOf(*body, tick).norm() : 0.0;
+}
+
+/// Returns the offset of a where the two touch in the tick, or where they are nearest if forces may close the
+/// rest: those that hold them on a surface are about their weights. 0: they stay apart.
+btVector3 offsetAtTouch(const SpherePair& pair, const btCollisionObject& a, const btCollisionObject& b,
+                        double tick) {
+  if (pair.offset.length2() <= pair.distance * pair.distance) return pair.offset;
+  const btVector3 ofA = wayOf(a, tick), ofB = wayOf(b, tick), own = ofA - ofB;
+  if (const btScalar t = pair.touchOn(own); t <= 1) return pair.offset + t * own;
+  constexpr btScalar kRounding = btScalar(0.999);
+  for (const btVector3& way : {btVector3(-ofB), ofA}) {
+    const btScalar t = pair.touchOn(way);
+    const btVector3 touch = pair.offset + t * way;
+    // not if their own motions lead past each other
+    if (t <= 1 && touch.dot(pair.offset + own) > kRounding * pair.distance * pair.distance) return touch;
+  }
+  const btVector3 nearest = pair.nearestOn(own);
+  const double fall = std::max(fallIn(tick, a), fallIn(tick, b));
+  return double(nearest.length() - pair.distance) < fall ? nearest : btVector3(0, 0, 0);
+}
+
+void addSpheres(const btCollisionObject& a, const btCollisionObject& b, const ContactSpeeds& speeds,
+                TickContacts& found) {
   const auto radiusOf = [](const btCollisionObject& sphere) {
     return static_cast<const btSphereShape*>(sphere.getCollisionShape())->getRadius();
   };
-  const btScalar radiusA = radiusOf(a), radiusB = radiusOf(b);
-  if (way > kNearShare * (radiusA + radiusB)) return false;
   const btTransform &poseA = a.getWorldTransform(), &poseB = b.getWorldTransform();
-  const btVector3 offset = poseA.getOrigin() - poseB.getOrigin();
-  if (offset.length() - radiusA - radiusB > way || offset.fuzzyZero()) return true;
+  const SpherePair pair = {poseA.getOrigin() - poseB.getOrigin(), radiusOf(a) + radiusOf(b)};
+  const btVector3 offset = offsetAtTouch(pair, a, b, found.tick);
+  if (offset.fuzzyZero()) return;
   const btVector3 normal = offset.normalized();
-  const ContactPlaces::Place place = {poseA.invXform(poseA.getOrigin() - radiusA * normal),
-                                      poseB.invXform(poseB.getOrigin() + radiusB * normal)};
+  const ContactPlaces::Place place = {poseA.invXform(poseA.getOrigin() - radiusOf(a) * normal),
+                                      poseB.invXform(poseB.getOrigin() + radiusOf(b) * normal)};
   addRigidContact(found, a, b, pointAt(a, b, place, normal), speeds);
-  return true;
 }
+
+// --- any pairs ---------------------------------------------------------------------------------------------
 
 /// Adds the contacts that two bodies get in the tick. Gaps are those of the present poses.
 void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisionObject& other,
@@ -329,7 +383,7 @@ void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisi
   ContactPlaces places;
   places.apart = kSamePlace * btScalar(boundingRadiusOf(a));
   if (!addPresent(world, a, b, found.manifolds, places)) return;
-  if (isSphere(a) && isSphere(b) && addNearSpheres(a, b, speeds, found)) return;
+  if (isSphere(a) && isSphere(b)) return addSpheres(a, b, speeds, found);
   const ComingTouch coming = comingTouch(a, b, found.tick);
   if (!coming.comes()) return;
   std::size_t next = places.count;

@@ -308,6 +308,18 @@ bool findNearestOutside(const btConvexShape& shape, const btTransform& pose, con
   return true;
 }
 
+bool findNearestOnFaces(const btConvexShape& shape, const btTransform& pose, ShapeCache& shapes,
+                        const Vector3d& x, double reach, std::vector<HeldPiece>& scratch,
+                        HeldPoint& nearest) {
+  const std::size_t before = scratch.size();
+  const Eigen::AlignedBox3d box(x.array() - reach, x.array() + reach);
+  PieceCollector{box, shapes, 0, scratch}.add(shape, pose);
+  const bool any = scratch.size() > before;
+  if (any) nearest = nearestOn(scratch.data() + before, scratch.data() + scratch.size(), x);
+  scratch.resize(before);
+  return any;
+}
+
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
                         std::uint32_t owner, std::vector<HeldPiece>& pieces) {
   PieceCollector collector{box, shapes, owner, pieces};

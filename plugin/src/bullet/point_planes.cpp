@@ -78,18 +78,25 @@ btScalar roundingOf(const btCollisionShape& shape) {
   return rounding;
 }
 
-/// Finds the nearest point on a part of an object that Bullet has found near a point. Bullet's narrowphase
-/// rounds the edges of boxes with their margin, usually 4 cm, and loses the margins of parts nearer than a
-/// millimetre: points sink into coins. Returns false where only Bullet can tell: for triangles, and deep
-/// inside a convex part.
-bool findNearest(const btCollisionShape& shape, const btTransform& pose, const Vector3d& x,
-                 HeldPoint& nearest) {
+/// m, from a convex shape without its margin, up to which Bullet's GJK is not used, see findNearestOutside().
+constexpr double kNearForGjk = 0.003;
+
+/// Finds the nearest point on an object or a part of it. Bullet's narrowphase rounds the edges of boxes with
+/// their margin, usually 4 cm, and loses the margins of parts nearer than a millimetre: points sink into
+/// coins. Returns false where only Bullet can tell: for triangles, and deep inside a smooth convex part.
+bool findNearest(SoftBodyData& body, const btCollisionShape& shape, const btTransform& pose,
+                 const Vector3d& x, HeldPoint& nearest) {
   if (const std::optional<HeldPiece> solid = solidOf(shape, pose)) {
     nearest = nearestOn(&*solid, &*solid + 1, x);
     return true;
   }
-  return shape.isConvex() && shape.getShapeType() != TRIANGLE_SHAPE_PROXYTYPE &&
-         findNearestOutside(static_cast<const btConvexShape&>(shape), pose, x, nearest);
+  if (!shape.isConvex() || shape.getShapeType() == TRIANGLE_SHAPE_PROXYTYPE) return false;
+  const auto& convex = static_cast<const btConvexShape&>(shape);
+  const bool found = findNearestOutside(convex, pose, x, nearest);
+  const double margin = double(shape.getMargin());
+  if (found && nearest.height + margin > kNearForGjk) return true;
+  return findNearestOnFaces(convex, pose, *body.shapes, x, margin + kNearForGjk, body.held.pieces, nearest) ||
+         found;
 }
 
 // --- rows of one pair --------------------------------------------------------------------------------------
@@ -207,29 +214,36 @@ bool addStoredRow(PlaneRows& rows, const CachedContact& cached, const btCollisio
   return true;
 }
 
-/// Adds the contacts that Bullet's narrowphase finds. Stores that of a surface's point with a convex partner
-/// for later ticks if it is the only one.
-void addFoundRows(PlaneRows& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                  std::uint64_t stamp, btScalar distance) {
+/// Adds the contacts with what is nearest of the partner. Stores that of a surface's point with a convex
+/// partner for later ticks if it is the only one.
+void addNearestRows(PlaneRows& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
+                    std::uint64_t stamp, btScalar distance) {
   const bool surfaceBody = isSurfaceBody(body);
   const btTransform& pose = partner.getWorldTransform();
+  const Vector3d x = rows.position();
   int count = 0;
   CachedContact only;
-  const auto found = [&](const btCollisionObjectWrapper& theirs, btScalar gap, const btVector3& normal,
-                         const btVector3& surface) {
-    HeldPoint nearest = {toEigen(normal), double(gap) + rows.radius(), false};
-    btVector3 there = surface;
-    if (surfaceBody &&
-        findNearest(*theirs.getCollisionShape(), theirs.getWorldTransform(), rows.position(), nearest))
-      there = toBullet(rows.position() - nearest.height * nearest.normal);
+  const auto add = [&](const HeldPoint& nearest, const btVector3& surface) {
     if (nearest.height - rows.radius() > double(distance)) return;
-    only = {stamp, pose.invXform(there), toBullet(nearest.normal) * pose.getBasis(),
-            pose.invXform(toBullet(rows.position()))};
+    only = {stamp, pose.invXform(surface), toBullet(nearest.normal) * pose.getBasis(),
+            pose.invXform(toBullet(x))};
     ++count;
-    rows.add(nearest.normal, there);
+    rows.add(nearest.normal, surface);
   };
-  const btScalar rounding = surfaceBody ? roundingOf(*partner.getCollisionShape()) : btScalar(0);
-  findContacts(body, i, partner, distance + rounding, found);
+  const auto addNearest = [&](const btCollisionShape& shape, const btTransform& at) {
+    HeldPoint nearest;
+    if (!surfaceBody || !findNearest(body, shape, at, x, nearest)) return false;
+    add(nearest, toBullet(x - nearest.height * nearest.normal));
+    return true;
+  };
+  const auto addFound = [&](const btCollisionObjectWrapper& theirs, btScalar gap, const btVector3& normal,
+                            const btVector3& surface) {
+    if (!addNearest(*theirs.getCollisionShape(), theirs.getWorldTransform()))
+      add({toEigen(normal), double(gap) + rows.radius(), false}, surface);
+  };
+  const btCollisionShape& shape = *partner.getCollisionShape();
+  if (!addNearest(shape, pose))
+    findContacts(body, i, partner, distance + (surfaceBody ? roundingOf(shape) : btScalar(0)), addFound);
   if (surfaceBody && stamp != 0 && count == 1) body.surface.contacts[i] = only;
 }
 
@@ -472,7 +486,7 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const bool isSlow = distance <= kSlowSearchDistance * rows.radius();
   if (!isSlow || !(surfaceBody ? addStoredRow(rows, body.surface.contacts[i], partner, stamp)
                                : addCachedRow(rows, *body.masses.bodies[i], partner)))
-    addFoundRows(rows, body, i, partner, stamp, static_cast<btScalar>(distance));
+    addNearestRows(rows, body, i, partner, stamp, static_cast<btScalar>(distance));
 }
 
 // --- dynamic rigid bodies ----------------------------------------------------------------------------------
@@ -519,14 +533,14 @@ void addPairs(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, d
     if (nearest.height - radiusOf(body) <= searchRegion.distance)
       addPair(body, i, partner, nearest.normal, x - nearest.height * nearest.normal, first, found);
   };
-  if (const std::optional<HeldPiece> solid =
-          solidOf(*partner.getCollisionShape(), partner.getWorldTransform()))
-    return addIfNear(nearestOn(&*solid, &*solid + 1, x));
+  if (HeldPoint nearest;
+      findNearest(body, *partner.getCollisionShape(), partner.getWorldTransform(), x, nearest))
+    return addIfNear(nearest);
   findContacts(
       body, i, partner, static_cast<btScalar>(searchRegion.distance),
       [&](const btCollisionObjectWrapper& theirs, btScalar gap, const btVector3& normal, const btVector3&) {
         HeldPoint nearest = {toEigen(normal).normalized(), double(gap) + radiusOf(body), false};
-        findNearest(*theirs.getCollisionShape(), theirs.getWorldTransform(), x, nearest);
+        findNearest(body, *theirs.getCollisionShape(), theirs.getWorldTransform(), x, nearest);
         addIfNear(nearest);
       });
 }

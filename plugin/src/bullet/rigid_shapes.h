@@ -180,8 +180,15 @@ std::optional<HeldPiece> solidOf(const btCollisionShape& shape, const btTransfor
 std::optional<HeldPiece> solidOf(const btCollisionObject& object);
 
 /// Finds the nearest point on any convex shape by Bullet's GJK. Returns false if `x` (m) is inside the shape
-/// without its margin.
+/// without its margin. Nearer to that than a millimetre, btGjkPairDetector ends before it has the nearest
+/// point.
 bool findNearestOutside(const btConvexShape& shape, const btTransform& pose, const Eigen::Vector3d& x,
+                        HeldPoint& nearest);
+
+/// Finds it exactly on a convex polyhedron. Returns false if the shape has no faces within `reach` (m).
+/// Leaves `scratch` as it was.
+bool findNearestOnFaces(const btConvexShape& shape, const btTransform& pose, ShapeCache& shapes,
+                        const Eigen::Vector3d& x, double reach, std::vector<HeldPiece>& scratch,
                         HeldPoint& nearest);
 
 /// Adds the pieces of an object's shape in a box (m, in the world): convex solids whole, hulls of many faces
