@@ -116,7 +116,7 @@ class LIMBER_API SoftBody {
   Result<void> exportSprings(const std::string& file) const;
   /// Returns network() with the present shape as its rest shape, without the springs that have broken: a body
   /// made of it, with the same scale and mass fractions and without factors of rest lengths, has no strain at
-  /// the present place. For dents that are to stay, call it when the body has come to rest. Error: a
+  /// the present place. To keep dents, call it when the body has come to rest. Error: a
   /// tetrahedron that is inside out, and the like, from validate(SpringNetwork).
   Result<SharedNetwork> presentNetwork() const;
 

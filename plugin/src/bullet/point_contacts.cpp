@@ -355,6 +355,7 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contactPartners.clear();
   body.held.pieces.clear();
   body.neighbourhoodCount = 0;
+  body.localSpins.areKnown = false;
   std::swap(body.heldPartners, body.lastHeldPartners);
   body.heldPartners.clear();
   body.speeds = contactSpeeds(body, double(tick));
