@@ -2,6 +2,7 @@
 
 // This file finds contacts of rigid bodies that do not touch yet and will within the tick. Bullet finds them
 // one tick later. Until then a stiff spring may have thrown a board against the box above it, deep into it.
+// A touch with the side of a tile that is level with those below the body is none: the body slides on.
 
 #include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
@@ -43,9 +44,85 @@ btVector3 wayOf(const btCollisionObject& object, double tick) {
   return btScalar(tick) * body->getLinearVelocity() + toBullet(fallOf(*body, tick));
 }
 
+/// The same without what gravity adds in the tick. What falls with a body holds it no less than a floor.
+btVector3 ownWayOf(const btCollisionObject& object, double tick) {
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  return body && isFree(*body) ? btScalar(tick) * body->getLinearVelocity() : wayOf(object, tick);
+}
+
 btTransform displaced(btTransform pose, const btVector3& way) {
   pose.setOrigin(pose.getOrigin() + way);
   return pose;
+}
+
+// --- what a body stands on or slides along -----------------------------------------------------------------
+
+/// A contact that holds a body from one side.
+struct Support {
+  btVector3 normal;                  ///< unit, from the partner to the body
+  btScalar gap;                      ///< m, at the start of the tick
+  const btCollisionObject* partner;  ///< only compared, and asked for its motion
+};
+
+/// The contacts of a body: Bullet's, then those that it gets in the tick.
+struct Supports {
+  std::array<Support, 32> list;  // more add nothing
+  std::size_t count = 0;
+
+  void add(const Support& support) {
+    constexpr btScalar kSame = btScalar(0.9999);
+    for (std::size_t i = 0; i < count; ++i)
+      if (list[i].partner == support.partner && list[i].normal.dot(support.normal) > kSame) {
+        list[i].gap = btMin(list[i].gap, support.gap);
+        return;
+      }
+    if (count < list.size()) list[count++] = support;
+  }
+};
+
+Supports presentSupports(const RigidManifolds& index, const btCollisionObject& object) {
+  Supports supports;
+  const auto i = static_cast<std::size_t>(object.getWorldArrayIndex());
+  for (int m = index.begin[i]; m < index.begin[i + 1]; ++m) {
+    btPersistentManifold& manifold = *index.manifolds[static_cast<std::size_t>(m)];
+    const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+    for (int p = 0; p < manifold.getNumContacts(); ++p) {
+      const btManifoldPoint& point = manifold.getContactPoint(p);
+      const btVector3& normal = point.m_normalWorldOnB;
+      const btVector3 offset =
+          a.getWorldTransform() * point.m_localPointA - b.getWorldTransform() * point.m_localPointB;
+      supports.add(
+          {&a == &object ? normal : btVector3(-normal), offset.dot(normal), &a == &object ? &b : &a});
+    }
+  }
+  return supports;
+}
+
+/// The displacement of an object in the tick while its supports hold it.
+struct HeldWay {
+  btVector3 way{0, 0, 0};   ///< m
+  btVector3 away{0, 0, 0};  ///< the sum of the normals of the supports that stop it
+  btScalar depth = 0;       ///< m, its largest overlap with them
+};
+
+/// `other`: the object that it may touch, which is no support. It may sink into supports by `apart` (m).
+HeldWay heldWayOf(const btCollisionObject& object, const Supports& supports, const btCollisionObject& other,
+                  btScalar apart, double tick) {
+  HeldWay held;
+  held.way = wayOf(object, tick);
+  constexpr int kPasses = 2;  // for supports that meet at an angle
+  for (int pass = 0; pass < kPasses; ++pass)
+    for (std::size_t i = 0; i < supports.count; ++i) {
+      const Support& support = supports.list[i];
+      if (support.partner == &other) continue;
+      const btScalar into =
+          (ownWayOf(*support.partner, tick) - held.way).dot(support.normal) - btMax(support.gap, btScalar(0));
+      if (!(into > 0)) continue;
+      held.way += btMax(into - apart, btScalar(0)) * support.normal;
+      held.away += support.normal;
+      held.depth = btMax(held.depth, -support.gap);
+    }
+  return held;
 }
 
 // --- where two bodies first touch --------------------------------------------------------------------------
@@ -88,6 +165,10 @@ struct HalfSpace {
   }
   btScalar heightOf(const btVector3& point) const { return normal.dot(point - on); }
 };
+
+btScalar resolutionOf(const btCollisionObject& object) {
+  return std::min(kApart, kApartShare * btScalar(boundingRadiusOf(object)));
+}
 
 /// The nearest places of two parts that are apart.
 struct Nearest {
@@ -155,11 +236,13 @@ Touch sooner(const Touch& first, const Part& a, const HalfSpace& b, const btVect
   return touch;
 }
 
-/// Moves the parts of a along a way (m) relative to b.
-Touch firstTouch(const btCollisionObject& a, const btCollisionObject& b, const btVector3& way) {
+/// Moves the parts of a, displaced by `offset` (m), along a way (m) relative to b.
+Touch firstTouch(const btCollisionObject& a, const btCollisionObject& b, const btVector3& way,
+                 const btVector3& offset = btVector3(0, 0, 0)) {
   Touch first;
-  const btScalar apart = std::min(kApart, kApartShare * btScalar(boundingRadiusOf(a)));
-  forEachPart(*a.getCollisionShape(), a.getWorldTransform(), [&](const Part& partA) {
+  const btScalar apart = resolutionOf(a);
+  const btTransform poseA = displaced(a.getWorldTransform(), offset);
+  forEachPart(*a.getCollisionShape(), poseA, [&](const Part& partA) {
     if (isPlane(b)) first = sooner(first, partA, HalfSpace(b), way);
     forEachPart(*b.getCollisionShape(), b.getWorldTransform(),
                 [&](const Part& partB) { first = sooner(first, partA, partB, way, apart); });
@@ -290,16 +373,43 @@ struct ComingTouch {
   bool comes() const { return !touch.normal.isZero(); }
 };
 
-ComingTouch touchOn(const btVector3& way, const btCollisionObject& a, const btCollisionObject& b) {
-  return {way, double(way.length()) < kShortWay ? Touch() : firstTouch(a, b, way)};
-}
+/// Two bodies that may touch in the tick.
+struct Approach {
+  const btCollisionObject &a, &b;
+  HeldWay ofA, ofB;
+  btScalar apart;  ///< m, resolution of touches
+
+  /// Returns the unit direction in which a leaves its supports, and b its own the other way, or 0.
+  btVector3 up() const {
+    const btVector3 sum = ofA.away - ofB.away;
+    return sum.fuzzyZero() ? btVector3(0, 0, 0) : sum.normalized();
+  }
+
+  /// A seam of the ground, as between tiles, is no obstacle: bodies that leave their supports by a little
+  /// pass it. Other parts of the ground hold them like their supports.
+  bool isSeam(const Touch& touch, const btVector3& way) const {
+    constexpr btScalar kSameNormal = btScalar(0.9998);
+    const btVector3 direction = up();
+    if (direction.isZero() || touch.normal.dot(direction) > kSameNormal) return false;
+    const btScalar height = ofA.depth + ofB.depth + 3 * apart;
+    return firstTouch(a, b, way, height * direction).normal.isZero();
+  }
+
+  ComingTouch touchOn(const btVector3& way) const {
+    ComingTouch coming;
+    coming.way = way;
+    if (double(way.length()) >= kShortWay) coming.touch = firstTouch(a, b, way);
+    if (coming.comes() && isSeam(coming.touch, way)) coming.touch = Touch();
+    return coming;
+  }
+};
 
 /// Returns the touch of a with b in the tick: by their own motions, or where something stops one of the two.
-ComingTouch comingTouch(const btCollisionObject& a, const btCollisionObject& b, double tick) {
-  const btVector3 ofA = wayOf(a, tick), ofB = wayOf(b, tick);
-  const ComingTouch own = touchOn(ofA - ofB, a, b);
+ComingTouch comingTouch(const Approach& approach) {
+  const btVector3 &ofA = approach.ofA.way, &ofB = approach.ofB.way;
+  const ComingTouch own = approach.touchOn(ofA - ofB);
   if (own.comes()) return own;
-  const ComingTouch whenStopped[] = {touchOn(-ofB, a, b), touchOn(ofA, a, b)};
+  const ComingTouch whenStopped[] = {approach.touchOn(-ofB), approach.touchOn(ofA)};
   const ComingTouch& sooner = whenStopped[whenStopped[1].touch.fraction < whenStopped[0].touch.fraction];
   // not if their own motions lead past each other
   const btVector3& normal = sooner.touch.normal;
@@ -374,23 +484,63 @@ void addSpheres(const btCollisionObject& a, const btCollisionObject& b, const Co
 
 // --- any pairs ---------------------------------------------------------------------------------------------
 
-/// Adds the contacts that two bodies get in the tick. Gaps are those of the present poses.
-void addComing(btDiscreteDynamicsWorld& world, btCollisionObject& one, btCollisionObject& other,
-               const ContactSpeeds& speeds, TickContacts& found) {
-  // the same for both orders
-  const bool swap = !isPlane(other) && (isPlane(one) || boundingRadiusOf(other) < boundingRadiusOf(one));
-  btCollisionObject &a = swap ? other : one, &b = swap ? one : other;
-  ContactPlaces places;
-  places.apart = kSamePlace * btScalar(boundingRadiusOf(a));
-  if (!addPresent(world, a, b, found.manifolds, places)) return;
-  if (isSphere(a) && isSphere(b)) return addSpheres(a, b, speeds, found);
-  const ComingTouch coming = comingTouch(a, b, found.tick);
-  if (!coming.comes()) return;
-  std::size_t next = places.count;
-  findPlaces(a, b, coming.way, coming.touch, places);
-  for (; next < places.count; ++next)
-    addRigidContact(found, a, b, pointAt(a, b, places.places[next], coming.touch.normal), speeds);
-}
+/// Looks for the contacts that a body gets in the tick.
+struct ComingSearch {
+  btDiscreteDynamicsWorld& world;
+  const RigidManifolds& index;
+  const ContactSpeeds& speeds;
+  TickContacts& found;
+  btCollisionObject& body;
+  Supports supports;  ///< of the body
+
+  Approach approach(const btCollisionObject& a, const btCollisionObject& b) const {
+    const btScalar apart = resolutionOf(a);
+    const auto heldWay = [&](const btCollisionObject& object, const btCollisionObject& other) {
+      if (&object == &body) return heldWayOf(object, supports, other, apart, found.tick);
+      const bool moves = isFree(static_cast<const btRigidBody&>(object));
+      return heldWayOf(object, moves ? presentSupports(index, object) : Supports(), other, apart, found.tick);
+    };
+    return {a, b, heldWay(a, b), heldWay(b, a), apart};
+  }
+
+  /// Visits a pair with the places where it touches now, if others may come. The order of its objects is the
+  /// same for both.
+  template <class Visit>
+  void withPair(btCollisionObject& other, Visit visit) const {
+    const bool swap = !isPlane(other) && (isPlane(body) || boundingRadiusOf(other) < boundingRadiusOf(body));
+    btCollisionObject &a = swap ? other : body, &b = swap ? body : other;
+    ContactPlaces places;
+    places.apart = kSamePlace * btScalar(boundingRadiusOf(a));
+    if (addPresent(world, a, b, found.manifolds, places)) visit(a, b, places);
+  }
+
+  /// Returns the fraction of the tick after which the body touches another one, or a number above 1. Adds the
+  /// contacts of spheres.
+  btScalar touchTime(btCollisionObject& other) const {
+    btScalar time = 2;
+    withPair(other, [&](btCollisionObject& a, btCollisionObject& b, ContactPlaces&) {
+      if (isSphere(a) && isSphere(b)) return addSpheres(a, b, speeds, found);
+      const ComingTouch coming = comingTouch(approach(a, b));
+      if (coming.comes()) time = coming.touch.fraction;
+    });
+    return time;
+  }
+
+  /// Adds the contacts with another body. Gaps are those of the present poses. They become supports.
+  void add(btCollisionObject& other) {
+    withPair(other, [&](btCollisionObject& a, btCollisionObject& b, ContactPlaces& places) {
+      const ComingTouch coming = comingTouch(approach(a, b));
+      if (!coming.comes()) return;
+      const Touch& touch = coming.touch;
+      std::size_t next = places.count;
+      findPlaces(a, b, coming.way, touch, places);
+      for (; next < places.count; ++next)
+        addRigidContact(found, a, b, pointAt(a, b, places.places[next], touch.normal), speeds);
+      supports.add({&a == &body ? touch.normal : btVector3(-touch.normal),
+                    touch.apart - touch.fraction * coming.way.dot(touch.normal), &other});
+    });
+  }
+};
 
 /// Finds the rigid bodies within a distance (m) of the body's box, sorted by id: the order of the broadphase
 /// depends on earlier ticks.
@@ -420,18 +570,29 @@ double longestWay(const MovingObjects& objects, double tick) {
 }
 
 void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, double reach,
-                       const ContactSpeeds& speeds, TickContacts& found) {
+                       const ContactSpeeds& speeds, const RigidManifolds& index, TickContacts& found) {
   btRigidBody& body = *found.rigids[number].body;
   const double way = double(wayOf(body, found.tick).length());
   if (!isFree(body) || (std::max(way, reach) < kShortWay && !isSphere(body))) return;
   findNear(world, body, way + reach, found.near);
+  ComingSearch search = {world, index, speeds, found, body, presentSupports(index, body)};
+  // what it touches first holds it from then on
+  std::size_t count = 0, first = 0;
+  btScalar firstTime = 2;
   for (btCollisionObject* other : found.near) {
     const auto* rigid = static_cast<const btRigidBody*>(other);
     const std::uint32_t theirs = isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
     if (theirs != TickContacts::kNone && theirs <= number) continue;
-    if (arePaired(world, body, *other) && body.checkCollideWith(other) && other->checkCollideWith(&body))
-      addComing(world, body, *other, speeds, found);
+    if (!arePaired(world, body, *other) || !body.checkCollideWith(other) || !other->checkCollideWith(&body))
+      continue;
+    const btScalar time = search.touchTime(*other);
+    if (time > 1) continue;
+    if (time < firstTime) firstTime = time, first = count;
+    found.near[count++] = other;
   }
+  if (count > 0) search.add(*found.near[first]);
+  for (std::size_t i = 0; i < count; ++i)
+    if (i != first) search.add(*found.near[i]);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

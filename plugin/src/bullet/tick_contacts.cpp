@@ -426,7 +426,7 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, const MovingObjects& ob
   do {
     for (; next < found.rigids.size(); ++next) {
       gatherContactsOf(world, next, index, tick, found);
-      addComingContacts(world, next, reach, speeds, found);
+      addComingContacts(world, next, reach, speeds, index, found);
     }
   } while (addJoinedBodies(world, found));
   addJointRows(world, tick, found);

@@ -166,7 +166,7 @@ double longestWay(const MovingObjects& objects, double tick);
 /// Adds the contacts that rigid body `number` of found.rigids gets in the tick with bodies that it does not
 /// touch yet, except those that earlier bodies have added. `reach` (m): longestWay().
 void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, double reach,
-                       const ContactSpeeds& speeds, TickContacts& found);
+                       const ContactSpeeds& speeds, const RigidManifolds& index, TickContacts& found);
 
 /// Makes Bullet's solver handle all manifolds again that gatherRigidContacts() and disableBulletResponse()
 /// excluded, also for other systems in the world.
