@@ -82,7 +82,7 @@ struct Supports {
 
 Supports presentSupports(const RigidManifolds& index, const btCollisionObject& object) {
   Supports supports;
-  if (object.getWorldArrayIndex() < 0) return supports;  // stands for a link of a multibody
+  if (LinkBody::from(&object)) return supports;  // it has no contacts in the index
   const auto i = static_cast<std::size_t>(object.getWorldArrayIndex());
   for (int m = index.begin[i]; m < index.begin[i + 1]; ++m) {
     btPersistentManifold& manifold = *index.manifolds[static_cast<std::size_t>(m)];
