@@ -101,6 +101,14 @@ bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar
 /// been released at its start.
 double calmTimeOf(btScalar tick) { return std::min(double(tick), 0.5 * double(gDeactivationTime)); }
 
+/// Returns the calm time (s) after a tick. A fast tick takes back several calm ones: points that slip now and
+/// then in a crushed pile keep no one awake, and what starts to move loses its calm time before it falls
+/// asleep.
+double calmTimeAfter(btScalar tick, bool isFast, double calmTime) {
+  constexpr double kTakenBack = 6.0;
+  return isFast ? std::max(0.0, calmTime - kTakenBack * double(tick)) : calmTime + calmTimeOf(tick);
+}
+
 /// s, the calm time after which a group is quiet. It sleeps once nothing awake has touched or held it for the
 /// rest of gDeactivationTime: what was its support may have gone, and it needs time to begin to fall.
 double quietTime() { return double(gDeactivationTime) - std::min(0.25, 0.5 * double(gDeactivationTime)); }
@@ -145,7 +153,7 @@ void updateCalmTime(LinkedGroup& group, btScalar tick, btScalar lastTick) {
     for (SoftBodyData* body : group.bodies)
       if (isSurfaceBody(*body) && isSurfaceChanged(*body)) wakeNeighbours(*body, true);
   if (group.asleep || anyMember(group, isAsleep)) wakeGroup(group);
-  group.calmTime = sleepIsOff() || movesTooFast(group, lastTick) ? 0.0 : group.calmTime + calmTimeOf(tick);
+  group.calmTime = sleepIsOff() ? 0.0 : calmTimeAfter(tick, movesTooFast(group, lastTick), group.calmTime);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
   for (SoftBodyData* body : group.bodies)
     if (body->surface.object)
