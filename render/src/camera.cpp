@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 namespace limber::render {
 namespace {
@@ -147,6 +149,53 @@ void addGalleryUniforms(FrameUniforms& uniforms, const Camera& camera, const Lig
 }
 
 }  // namespace
+
+void requireFinite(const char* field, float value) {
+  if (!std::isfinite(value)) {
+    throw std::runtime_error(std::string(field) + " is not finite");
+  }
+}
+
+void requireFinite(const char* field, Vec3 value) {
+  for (const float component : {value.x, value.y, value.z}) {
+    requireFinite(field, component);
+  }
+}
+
+namespace {
+
+void require(bool holds, const char* message) {
+  if (!holds) {
+    throw std::runtime_error(message);
+  }
+}
+
+}  // namespace
+
+void requireUsable(const Camera& camera, const Light& light, const DrawOptions& options) {
+  requireFinite("camera.eye", camera.eye);
+  requireFinite("camera.target", camera.target);
+  requireFinite("camera.up", camera.up);
+  requireFinite("camera.farPlane", camera.farPlane);
+  require(length(camera.target - camera.eye) > 0.0f, "camera.target is camera.eye");
+  require(camera.verticalFieldOfView > 0.0f && camera.verticalFieldOfView < kPi,
+          "camera.verticalFieldOfView must be above 0 and below pi");
+  require(camera.nearPlane > 0.0f && camera.nearPlane < camera.farPlane,
+          "camera.nearPlane must be above 0 and below farPlane");
+  requireFinite("light.towards", light.towards);
+  requireFinite("light.sun", light.sun);
+  requireFinite("light.sky", light.sky);
+  requireFinite("light.ground", light.ground);
+  requireFinite("light.shadowCentre", light.shadowCentre);
+  requireFinite("light.shadowRadius", light.shadowRadius);
+  requireFinite("options.hiddenOverlay", options.hiddenOverlay);
+  requireFinite("options.backgroundTop", options.backgroundTop);
+  requireFinite("options.backgroundBottom", options.backgroundBottom);
+  require(options.strainRange > 0.0f && std::isfinite(options.strainRange),
+          "options.strainRange must be above 0");
+  require(options.lineWidth >= 0.0f && std::isfinite(options.lineWidth),
+          "options.lineWidth must be 0 or more");
+}
 
 FrameUniforms makeFrameUniforms(const Camera& camera, const Light& light, const DrawOptions& options,
                                 const PictureSize& size) {

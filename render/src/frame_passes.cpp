@@ -229,8 +229,8 @@ void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hidde
   setCulling(gl, false);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthMask(GL_FALSE);
-  gl.Enable(GL_BLEND);
-  gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  gl.Enablei(GL_BLEND, 0);
+  gl.BlendFuncSeparatei(0, GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   const auto draw = [&](GLenum depth, float opacity) {
     gl.DepthFunc(depth);
     gl.ProgramUniform1f(program.name(), program.location(DrawUniform::Opacity), opacity);
@@ -241,7 +241,7 @@ void drawOverlay(const PassContext& pass, const OverlayLines& lines, float hidde
     draw(GL_GREATER, hiddenOpacity);
   }
   draw(GL_LEQUAL, 1.0f);
-  gl.Disable(GL_BLEND);
+  gl.Disablei(GL_BLEND, 0);
   gl.DepthMask(GL_TRUE);
 }
 

@@ -41,6 +41,11 @@ struct PictureSize {
   int shadowMapSize = 0;
 };
 
+/// These throw std::runtime_error with the name of the field.
+void requireFinite(const char* field, float value);
+void requireFinite(const char* field, Vec3 value);
+void requireUsable(const Camera& camera, const Light& light, const DrawOptions& options);
+
 FrameUniforms makeFrameUniforms(const Camera& camera, const Light& light, const DrawOptions& options,
                                 const PictureSize& size);
 

@@ -4,8 +4,7 @@
 namespace limber::render {
 namespace {
 
-constexpr std::array<GLenum, GlState::kCaps> kCapNames{GL_BLEND,
-                                                       GL_COLOR_LOGIC_OP,
+constexpr std::array<GLenum, GlState::kCaps> kCapNames{GL_COLOR_LOGIC_OP,
                                                        GL_CULL_FACE,
                                                        GL_DEPTH_CLAMP,
                                                        GL_DEPTH_TEST,
@@ -16,9 +15,13 @@ constexpr std::array<GLenum, GlState::kCaps> kCapNames{GL_BLEND,
                                                        GL_PRIMITIVE_RESTART_FIXED_INDEX,
                                                        GL_RASTERIZER_DISCARD,
                                                        GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                                       GL_SAMPLE_ALPHA_TO_ONE,
+                                                       GL_SAMPLE_COVERAGE,
                                                        GL_SAMPLE_MASK,
-                                                       GL_SCISSOR_TEST,
-                                                       GL_STENCIL_TEST};
+                                                       GL_SAMPLE_SHADING,
+                                                       GL_STENCIL_TEST,
+                                                       GL_LINE_SMOOTH,
+                                                       GL_POLYGON_SMOOTH};
 
 // In the order of `Value`.
 constexpr std::array<GLenum, GlState::kValues> kValueNames{GL_CURRENT_PROGRAM,
@@ -43,10 +46,14 @@ constexpr std::array<GLenum, GlState::kValues> kValueNames{GL_CURRENT_PROGRAM,
                                                            GL_PACK_ROW_LENGTH,
                                                            GL_PACK_SKIP_ROWS,
                                                            GL_PACK_SKIP_PIXELS,
+                                                           GL_PACK_SWAP_BYTES,
                                                            GL_UNPACK_ALIGNMENT,
                                                            GL_UNPACK_ROW_LENGTH,
                                                            GL_UNPACK_SKIP_ROWS,
                                                            GL_UNPACK_SKIP_PIXELS,
+                                                           GL_UNPACK_IMAGE_HEIGHT,
+                                                           GL_UNPACK_SKIP_IMAGES,
+                                                           GL_UNPACK_SWAP_BYTES,
                                                            GL_UNIFORM_BUFFER_BINDING,
                                                            GL_SHADER_STORAGE_BUFFER_BINDING};
 
@@ -70,11 +77,14 @@ enum Value : std::size_t {
   kPackBuffer,
   kUnpackBuffer,
   kFirstPixelStore,
-  kUniformBuffer = 26,
-  kStorageBuffer = 27
+  kUniformBuffer = 30,
+  kStorageBuffer = 31
 };
 
 void setCap(const Gl& gl, GLenum cap, bool on) { on ? gl.Enable(cap) : gl.Disable(cap); }
+void setFirst(const Gl& gl, GLenum cap, GLboolean on) {
+  on != GL_FALSE ? gl.Enablei(cap, 0) : gl.Disablei(cap, 0);
+}
 
 GLenum toEnum(GLint value) { return static_cast<GLenum>(value); }
 GLuint toName(GLint value) { return static_cast<GLuint>(value); }
@@ -140,31 +150,42 @@ void writeFixedFunctions(const Gl& gl, const GlState& state) {
   gl.DepthMask(v[kDepthMask] != 0 ? GL_TRUE : GL_FALSE);
   gl.FrontFace(toEnum(v[kFrontFace]));
   gl.CullFace(toEnum(v[kCullMode]));
-  gl.BlendFuncSeparate(toEnum(v[kBlendSrcRgb]), toEnum(v[kBlendDstRgb]), toEnum(v[kBlendSrcAlpha]),
-                       toEnum(v[kBlendDstAlpha]));
-  gl.BlendEquationSeparate(toEnum(v[kBlendEquationRgb]), toEnum(v[kBlendEquationAlpha]));
+  gl.BlendFuncSeparatei(0, toEnum(v[kBlendSrcRgb]), toEnum(v[kBlendDstRgb]), toEnum(v[kBlendSrcAlpha]),
+                        toEnum(v[kBlendDstAlpha]));
+  gl.BlendEquationSeparatei(0, toEnum(v[kBlendEquationRgb]), toEnum(v[kBlendEquationAlpha]));
   gl.ClipControl(toEnum(v[kClipOrigin]), toEnum(v[kClipDepth]));
   for (std::size_t i = kFirstPixelStore; i < kUniformBuffer; ++i) {
     gl.PixelStorei(kValueNames[i], v[i]);
   }
   const auto& mask = state.colourMask;
-  gl.ColorMask(mask[0] != 0, mask[1] != 0, mask[2] != 0, mask[3] != 0);
+  gl.ColorMaski(0, mask[0] != 0, mask[1] != 0, mask[2] != 0, mask[3] != 0);
   gl.PolygonMode(GL_FRONT_AND_BACK, toEnum(state.polygonMode[0]));
-  gl.DepthRangef(state.depthRange[0], state.depthRange[1]);
-  gl.Viewport(state.viewport[0], state.viewport[1], state.viewport[2], state.viewport[3]);
+  gl.DepthRangeIndexed(0, GLdouble{state.depthRange[0]}, GLdouble{state.depthRange[1]});
+  gl.ViewportIndexedfv(0, state.viewport.data());
+  setFirst(gl, GL_BLEND, state.blend);
+  setFirst(gl, GL_SCISSOR_TEST, state.scissor);
 }
 
 }  // namespace
 
 GlState readState(const Gl& gl) {
   GlState state;
+  GLint active = 0, paused = 0;
+  gl.GetIntegerv(GL_TRANSFORM_FEEDBACK_ACTIVE, &active);
+  gl.GetIntegerv(GL_TRANSFORM_FEEDBACK_PAUSED, &paused);
+  state.feedbackPaused = active != 0 && paused == 0;
+  if (state.feedbackPaused) {
+    gl.PauseTransformFeedback();
+  }
   for (std::size_t i = 0; i < kCapNames.size(); ++i) {
     state.caps[i] = gl.IsEnabled(kCapNames[i]);
   }
   for (std::size_t i = 0; i < kValueNames.size(); ++i) {
     gl.GetIntegerv(kValueNames[i], &state.values[i]);
   }
-  gl.GetIntegerv(GL_VIEWPORT, state.viewport.data());
+  gl.GetFloati_v(GL_VIEWPORT, 0, state.viewport.data());
+  state.blend = gl.IsEnabledi(GL_BLEND, 0);
+  state.scissor = gl.IsEnabledi(GL_SCISSOR_TEST, 0);
   gl.GetIntegerv(GL_COLOR_WRITEMASK, state.colourMask.data());
   gl.GetIntegerv(GL_POLYGON_MODE, state.polygonMode.data());
   gl.GetFloatv(GL_DEPTH_RANGE, state.depthRange.data());
@@ -190,6 +211,9 @@ void writeState(const Gl& gl, const GlState& state) {
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, toName(state.values[kReadFramebuffer]));
   writeFixedFunctions(gl, state);
   writeBindings(gl, state);
+  if (state.feedbackPaused) {
+    gl.ResumeTransformFeedback();
+  }
 }
 
 void setRendererState(const Gl& gl) {

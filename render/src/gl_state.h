@@ -11,8 +11,8 @@ namespace limber::render {
 
 /// The state of a context that the renderer changes or that could change its pictures.
 struct GlState {
-  static constexpr std::size_t kCaps = 15;
-  static constexpr std::size_t kValues = 28;
+  static constexpr std::size_t kCaps = 18;
+  static constexpr std::size_t kValues = 32;
   static constexpr std::size_t kStorageBindings = 7;  ///< The highest StorageBinding plus one.
   static constexpr std::size_t kTextureUnits = 4;
 
@@ -26,15 +26,23 @@ struct GlState {
 
   std::array<GLboolean, kCaps> caps{};
   std::array<GLint, kValues> values{};
-  std::array<GLint, 4> viewport{}, colourMask{};
   std::array<GLint, 2> polygonMode{};
+  bool feedbackPaused = false;  ///< By readState().
+
+  // Of viewport 0 and draw buffer 0: the renderer uses no others.
+  GLboolean blend = GL_FALSE, scissor = GL_FALSE;
+  std::array<GLint, 4> colourMask{};
+  std::array<GLfloat, 4> viewport{};
   std::array<GLfloat, 2> depthRange{};
+
   BufferRange uniforms;
   std::array<BufferRange, kStorageBindings> storage{};
   std::array<TextureUnit, kTextureUnits> textures{};
 };
 
+/// Pauses active transform feedback, under which programs cannot be changed.
 GlState readState(const Gl& gl);
+/// Resumes what readState() has paused.
 void writeState(const Gl& gl, const GlState& state);
 
 /// Sets the state that the renderer's passes rely on.

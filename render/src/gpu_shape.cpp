@@ -221,10 +221,17 @@ ShapeId ShapeTable::add(GpuShape shape) {
 }
 
 void ShapeTable::remove(ShapeId id) {
-  shapes_[id.index] = {};
-  extents_[id.index] = {};
   ++generations_[id.index];
-  free_.push_back(id.index);
+  removed_.push_back(id.index);
+}
+
+void ShapeTable::freeRemoved() {
+  for (const std::uint32_t index : removed_) {
+    shapes_[index] = {};
+    extents_[index] = {};
+    free_.push_back(index);
+  }
+  removed_.clear();
 }
 
 void ShapeTable::require(ShapeId id, const char* caller) const {

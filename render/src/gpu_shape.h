@@ -76,8 +76,10 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc, bool computeOnCpu);
 class ShapeTable {
  public:
   ShapeId add(GpuShape shape);
-  /// Removes a shape. The id must be valid, and the shape without instances.
+  /// Makes an id invalid, which must be valid, and its shape without instances. The shape itself stays for an
+  /// open frame until freeRemoved().
   void remove(ShapeId id);
+  void freeRemoved();
   /// Throws std::runtime_error with `caller` if there is no shape with this id.
   void require(ShapeId id, const char* caller) const;
 
@@ -90,7 +92,7 @@ class ShapeTable {
   std::vector<GpuShape> shapes_;
   std::vector<ShapeExtent> extents_;
   std::vector<std::uint32_t> generations_;
-  std::vector<std::uint32_t> free_;
+  std::vector<std::uint32_t> removed_, free_;
 };
 
 }  // namespace limber::render

@@ -76,7 +76,7 @@ std::size_t RenderTarget::bytes() const { return colour_.bytes() + depth_.bytes(
 void RenderTarget::begin() const {
   const GLfloat farthest = 1.0f;
   gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, drawn_.name());
-  gl_.Viewport(0, 0, width_, height_);
+  gl_.ViewportIndexedf(0, 0.0f, 0.0f, static_cast<GLfloat>(width_), static_cast<GLfloat>(height_));
   gl_.DepthMask(GL_TRUE);
   gl_.ClearNamedFramebufferfv(drawn_.name(), GL_DEPTH, 0, &farthest);
 }
@@ -96,6 +96,12 @@ void RenderTarget::read(Image& image) const {
 }
 
 void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int height) const {
+  if (framebuffer != 0 && gl_.IsFramebuffer(framebuffer) == GL_FALSE) {
+    throw std::runtime_error("blitTo: there is no framebuffer " + std::to_string(framebuffer));
+  }
+  if (gl_.CheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw std::runtime_error("blitTo: framebuffer " + std::to_string(framebuffer) + " is not complete");
+  }
   // Copy the bytes unchanged: the colours are already encoded, whatever the format of the target is.
   gl_.Disable(GL_FRAMEBUFFER_SRGB);
   const bool sameSize = width == width_ && height == height_;
@@ -107,11 +113,6 @@ void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int heigh
 namespace {
 
 GlTexture makeDepth(const Gl& gl, int size, bool comparing) {
-  GLint maxSize = 0;
-  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSize);
-  if (size < 1 || size > maxSize) {
-    throw std::runtime_error("a shadow map of " + std::to_string(size) + " texels per side is not possible");
-  }
   GLuint name = 0;
   gl.CreateTextures(GL_TEXTURE_2D, 1, &name);
   GlTexture depth(gl, name, 4 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
@@ -144,7 +145,7 @@ ShadowMap::ShadowMap(const Gl& gl, int size, bool comparing)
 void ShadowMap::begin() const {
   const GLfloat farthest = 1.0f;
   gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
-  gl_.Viewport(0, 0, size_, size_);
+  gl_.ViewportIndexedf(0, 0.0f, 0.0f, static_cast<GLfloat>(size_), static_cast<GLfloat>(size_));
   gl_.DepthMask(GL_TRUE);
   gl_.ClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &farthest);
 }
@@ -189,7 +190,7 @@ OpennessMap::OpennessMap(const Gl& gl, int width, int height)
 void OpennessMap::beginDepth() const {
   const GLfloat farthest = 1.0f;
   gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, depthTarget_.name());
-  gl_.Viewport(0, 0, width_, height_);
+  gl_.ViewportIndexedf(0, 0.0f, 0.0f, static_cast<GLfloat>(width_), static_cast<GLfloat>(height_));
   gl_.DepthMask(GL_TRUE);
   gl_.ClearNamedFramebufferfv(depthTarget_.name(), GL_DEPTH, 0, &farthest);
 }
@@ -254,9 +255,12 @@ void TextureArray::grow() {
 }
 
 std::uint32_t TextureArray::add(int width, int height, const std::uint8_t* rgba) {
-  if (width < 1 || height < 1 || rgba == nullptr) {
+  if (width < 1 || height < 1) {
     throw std::runtime_error("a texture needs at least one pixel, not " + std::to_string(width) + " x " +
                              std::to_string(height));
+  }
+  if (rgba == nullptr) {
+    throw std::runtime_error("addTexture: rgba is null");
   }
   if (count_ == capacity_) {
     grow();

@@ -17,10 +17,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -57,8 +59,20 @@ class AtomicFile {
   bool named_ = false;
 };
 
+// Returns what a path leads to, through links. Throws if that is a folder or a device: renaming a file to it
+// would replace it.
+std::string fileAt(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path target = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : fs::path(path);
+  if (fs::exists(target, error) && !fs::is_regular_file(target, error)) {
+    throw std::runtime_error("cannot write " + path + ": it is no regular file");
+  }
+  return target.string();
+}
+
 AtomicFile::AtomicFile(std::string path)
-    : path_(std::move(path)),
+    : path_(fileAt(path)),
       temporary_(path_ + ".part" + std::to_string(std::random_device{}())),
       file_(std::fopen(temporary_.c_str(), "wb")) {
   if (file_ == nullptr) {

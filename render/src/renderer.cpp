@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "frame_passes.h"
 #include "renderer_parts.h"
 
 namespace limber::render {
@@ -30,14 +31,14 @@ ShapeId Renderer::addShape(const ShapeDesc& desc) {
 }
 
 void Renderer::removeShape(ShapeId shape) {
-  if (parts_->frame.open) {
-    throw std::logic_error("removeShape() while a frame is open");
-  }
   parts_->shapes.require(shape, "removeShape");
   if (parts_->instances.uses(shape.index)) {
     throw std::runtime_error("removeShape: the shape still has instances");
   }
   parts_->shapes.remove(shape);
+  if (!parts_->frame.open) {
+    parts_->shapes.freeRemoved();
+  }
 }
 
 TextureId Renderer::addTexture(int width, int height, const std::uint8_t* rgba) {
@@ -47,12 +48,12 @@ TextureId Renderer::addTexture(int width, int height, const std::uint8_t* rgba) 
 
 InstanceId Renderer::addInstance(ShapeId shape, const InstanceLook& look) {
   parts_->shapes.require(shape, "addInstance");
-  parts_->requireTexture(look);
+  parts_->requireLook(look);
   return parts_->instances.add(shape, look);
 }
 
 void Renderer::setLook(InstanceId instance, const InstanceLook& look) {
-  parts_->requireTexture(look);
+  parts_->requireLook(look);
   parts_->instances.setLook(instance, look);
 }
 
@@ -79,6 +80,7 @@ void Renderer::draw(FrameWriter& frame, const Camera& camera, const Light& light
   if (frame.renderer_ != this || !parts_->frame.open || parts_->frame.serial != frame.serial_) {
     throw std::logic_error("draw() of a frame that is not open in this renderer");
   }
+  requireUsable(camera, light, options);
   try {
     parts_->submit(camera, light, options, overlay);
   } catch (...) {
@@ -149,11 +151,13 @@ FrameWriter::~FrameWriter() {
   if (!parts.frame.open || parts.frame.serial != serial_) {
     return;
   }
-  parts.frame.open = false;
-  parts.stream->cancelFrame();
+  parts.cancelFrame();
 }
 
 float* FrameWriter::points(InstanceId instance) const {
+  if (renderer_ == nullptr) {
+    throw std::logic_error("points() of a frame that was moved elsewhere");
+  }
   const Renderer::Parts& parts = *renderer_->parts_;
   if (!parts.frame.open || parts.frame.serial != serial_) {
     throw std::logic_error("points() of a frame that was already drawn");

@@ -36,6 +36,17 @@ void requireTaps(int taps) {
   }
 }
 
+/// Returns a number of texels per side that the driver can store.
+int requireTexels(const Gl& gl, const char* field, int size) {
+  GLint largest = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (size < 1 || size > largest) {
+    throw std::runtime_error(std::string(field) + " is " + std::to_string(size) + ", but must be 1 to " +
+                             std::to_string(largest));
+  }
+  return size;
+}
+
 unsigned computeThreads(int wanted) {
   if (wanted < 0) {
     throw std::runtime_error("computeThreads is " + std::to_string(wanted) + ", but must be 0 or more");
@@ -61,7 +72,7 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       cpu(makeCpuPasses(gl, desc)),
       programs(gl, desc.shadowTaps, desc.quality),
       target(std::make_unique<RenderTarget>(gl, desc.width, desc.height, desc.samples)),
-      textures(gl, std::max(desc.textureSize, 1)),
+      textures(gl, requireTexels(gl, "textureSize", desc.textureSize)),
       emptyLayout(makeVertexArray(gl)),
       uniforms(makeBuffer(gl, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT)),
       stream(makeStream(gl, desc.initialPoints, desc, cpu.has_value())),
@@ -69,13 +80,20 @@ Renderer::Parts::Parts(GlContext& context, const RendererDesc& rendererDesc)
       numbers(gl),
       maxPoints(pointsPerBlock(gl)) {
   requireTaps(desc.shadowTaps);
+  requireTexels(gl, "shadowMapSize", desc.shadowMapSize);
   if (!sharedContext) {
     setRendererState(gl);
   }
   checkGlErrors(gl, "making the renderer");
 }
 
-void Renderer::Parts::requireTexture(const InstanceLook& look) const {
+void Renderer::Parts::requireLook(const InstanceLook& look) const {
+  requireFinite("look.colour", look.colour);
+  const Material& material = look.material;
+  for (const float value :
+       {material.roughness, material.metalness, material.translucency, material.threads}) {
+    requireFinite("look.material", value);
+  }
   if (look.texture.index != UINT32_MAX && look.texture.index >= textures.count()) {
     throw std::runtime_error("there is no texture with this id");
   }
@@ -137,7 +155,14 @@ void Renderer::Parts::openFrame() {
 
 void Renderer::Parts::closeFrame() {
   frame.open = false;
+  shapes.freeRemoved();
   stream->endFrame(stats.bytesStreamed);
+}
+
+void Renderer::Parts::cancelFrame() {
+  frame.open = false;
+  shapes.freeRemoved();
+  stream->cancelFrame();
 }
 
 void Renderer::Parts::uploadRecords() {

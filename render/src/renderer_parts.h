@@ -76,6 +76,7 @@ struct Renderer::Parts {
   std::size_t streamedPoints() const;
   void openFrame();
   void closeFrame();
+  void cancelFrame();
 
   // Drawing. The picture is that of `items`.
   void submit(const Camera& camera, const Light& light, const DrawOptions& options, const Overlay& overlay);
@@ -97,7 +98,7 @@ struct Renderer::Parts {
   bool gallery() const { return desc.quality == Quality::Gallery; }
   PassContext pass() { return {gl, programs, stats, items, gallery(), emptyLayout.name()}; }
   const ShadowMap& requireShadowMap();
-  void requireTexture(const InstanceLook& look) const;
+  void requireLook(const InstanceLook& look) const;
 
   Gl gl;
   bool sharedContext;

@@ -241,6 +241,11 @@ std::string checkMesh(const ShapeDesc& desc) {
   if (!desc.uvs.empty() && desc.uvs.size() != 2 * vertices) {
     return "uvs has " + number(desc.uvs.size()) + " floats for " + number(vertices) + " vertices";
   }
+  for (std::size_t i = 0; i < desc.uvs.size(); ++i) {
+    if (!std::isfinite(desc.uvs[i])) {
+      return "uvs[" + number(i) + "] is not finite";
+    }
+  }
   if (!desc.vertexToNormal.empty() && desc.vertexToNormal.size() != vertices) {
     return "vertexToNormal has " + number(desc.vertexToNormal.size()) + " entries for " + number(vertices) +
            " vertices";

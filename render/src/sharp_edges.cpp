@@ -114,6 +114,9 @@ void sharpenEdges(ShapeDesc& desc, const std::vector<float>& positions, float an
                                                  : desc.tubeRadius > 0.0f ? "a tube has no edges"
                                                                           : "positions has another size"));
   }
+  if (!(angle >= 0.0f && angle <= kPi)) {
+    throw std::runtime_error("sharpenEdges: angle is " + std::to_string(angle) + ", but must be 0 to pi");
+  }
   desc.vertexToNormal.clear();
   CornerGroups groups = smoothGroups(desc, faceNormals(desc, positions), angle);
   const std::vector<std::uint32_t> normals = numberNormals(desc, groups);

@@ -41,6 +41,7 @@ std::size_t StreamRing::begin() {
 
 void StreamRing::submit() {
   Region& region = openRegion("submit");
+  region.state = State::Free;  // also if there is no context for a fence
   region.fence = fences_.insert();
   region.state = State::InFlight;
   ++counters_.frames;

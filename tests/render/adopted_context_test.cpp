@@ -40,21 +40,30 @@ struct Program {
   void setUnusualState() {
     for (const GLenum cap : std::initializer_list<GLenum>{
              GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_BLEND, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL,
-             GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP}) {
+             GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP, GL_SAMPLE_COVERAGE,
+             GL_SAMPLE_SHADING, GL_SAMPLE_ALPHA_TO_ONE}) {
       gl.Enable(cap);
     }
-    gl.ColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    gl.Disablei(GL_BLEND, 2);
+    gl.ColorMaski(0, GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    gl.ColorMaski(1, GL_TRUE, GL_FALSE, GL_FALSE, GL_TRUE);
     gl.DepthMask(GL_FALSE);
     gl.DepthFunc(GL_GREATER);
-    gl.DepthRangef(0.25f, 0.75f);
+    gl.DepthRangeIndexed(0, 0.25, 0.75);
+    gl.DepthRangeIndexed(1, 0.125, 0.5);
     gl.FrontFace(GL_CW);
     gl.CullFace(GL_FRONT);
     gl.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-    gl.BlendEquationSeparate(GL_FUNC_REVERSE_SUBTRACT, GL_MAX);
-    gl.BlendFuncSeparate(GL_ZERO, GL_ZERO, GL_DST_COLOR, GL_ONE);
+    gl.BlendEquationSeparatei(0, GL_FUNC_REVERSE_SUBTRACT, GL_MAX);
+    gl.BlendFuncSeparatei(0, GL_ZERO, GL_ZERO, GL_DST_COLOR, GL_ONE);
+    gl.BlendFuncSeparatei(1, GL_ONE, GL_ZERO, GL_ZERO, GL_ONE);
     gl.PixelStorei(GL_PACK_ROW_LENGTH, 7);
-    gl.PixelStorei(GL_UNPACK_SKIP_PIXELS, 3);
-    gl.Viewport(3, 5, 7, 11);
+    for (const GLenum skipped : std::initializer_list<GLenum>{GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES,
+                                                              GL_UNPACK_IMAGE_HEIGHT}) {
+      gl.PixelStorei(skipped, 3);
+    }
+    gl.ViewportIndexedf(0, 3.0f, 5.0f, 7.5f, 11.0f);
+    gl.ViewportIndexedf(1, 1.0f, 2.0f, 3.0f, 4.0f);
     gl.BindVertexArray(vertexArray.name());
     gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer.name());
     gl.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.name());
@@ -74,12 +83,33 @@ struct Program {
   }
 };
 
+// State of further viewports and draw buffers.
+struct FurtherState {
+  GLboolean blend1 = GL_FALSE, blend2 = GL_FALSE;
+  std::array<GLint, 4> mask{};
+  GLint source = 0;
+  std::array<GLfloat, 4> viewport{};
+  std::array<GLfloat, 2> depths{};
+
+  explicit FurtherState(const Gl& gl)
+      : blend1(gl.IsEnabledi(GL_BLEND, 1)), blend2(gl.IsEnabledi(GL_BLEND, 2)) {
+    gl.GetIntegeri_v(GL_COLOR_WRITEMASK, 1, mask.data());
+    gl.GetIntegeri_v(GL_BLEND_SRC_RGB, 1, &source);
+    gl.GetFloati_v(GL_VIEWPORT, 1, viewport.data());
+    gl.GetFloati_v(GL_DEPTH_RANGE, 1, depths.data());
+  }
+  bool operator==(const FurtherState& other) const {
+    return blend1 == other.blend1 && blend2 == other.blend2 && mask == other.mask && source == other.source &&
+           viewport == other.viewport && depths == other.depths;
+  }
+};
+
 bool equal(const GlState& a, const GlState& b) {
   const auto sameRange = [](const GlState::BufferRange& x, const GlState::BufferRange& y) {
     return x.buffer == y.buffer && x.start == y.start && x.size == y.size;
   };
-  bool same = a.caps == b.caps && a.values == b.values && a.viewport == b.viewport &&
-              a.colourMask == b.colourMask && a.polygonMode == b.polygonMode &&
+  bool same = a.caps == b.caps && a.values == b.values && a.viewport == b.viewport && a.blend == b.blend &&
+              a.scissor == b.scissor && a.colourMask == b.colourMask && a.polygonMode == b.polygonMode &&
               a.depthRange == b.depthRange && sameRange(a.uniforms, b.uniforms);
   for (std::size_t i = 0; i < a.storage.size(); ++i) {
     same = same && sameRange(a.storage[i], b.storage[i]);
@@ -111,6 +141,7 @@ TEST(AdoptedContext, PicturesAreTheSameAndTheProgramsStateStays) {
   const auto context = program.adopted();
   program.setUnusualState();
   const GlState before = readState(program.gl);
+  const FurtherState furtherBefore(program.gl);
   Renderer renderer(*context, smallDesc());
   EXPECT_TRUE(equal(readState(program.gl), before)) << "made";
   const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
@@ -124,6 +155,8 @@ TEST(AdoptedContext, PicturesAreTheSameAndTheProgramsStateStays) {
   EXPECT_EQ(renderer.debugMessages(), nullptr);
   renderer.resize(64, 64);
   EXPECT_TRUE(equal(readState(program.gl), before)) << "resized";
+  EXPECT_TRUE(FurtherState(program.gl) == furtherBefore);
+  EXPECT_THROW(renderer.blitTo(77, 0, 0, 4, 4), std::runtime_error) << "no such framebuffer";
   EXPECT_NO_THROW(checkGlErrors(program.gl, "end"));
 }
 

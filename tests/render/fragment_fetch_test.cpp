@@ -67,7 +67,7 @@ class FragmentFetch : public ::testing::Test {
   void drawRow(const StreamBuffer& buffer, const StreamFrame& region, int row) {
     gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, buffer.name(), region.byteOffset,
                        kValues * static_cast<GLsizeiptr>(sizeof(float)));
-    gl.Viewport(0, row, kValues, 1);
+    gl.ViewportIndexedf(0, 0.0f, static_cast<GLfloat>(row), kValues, 1.0f);
     gl.DrawArraysInstanced(GL_TRIANGLES, 0, 3, 1);
   }
   int wrongPixels() {

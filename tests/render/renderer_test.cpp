@@ -2,6 +2,7 @@
 #include "limber/render/renderer.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -181,10 +182,47 @@ TEST(Renderer, RemovedShapesAreFreedAndTheirIdsRefused) {
   const ShapeId newShape = renderer.addShape(ball.shape);
   EXPECT_EQ(newShape.index, shape.index);
   EXPECT_THROW(renderer.addInstance(shape), std::runtime_error) << "the slot has another shape now";
-  stage.add(newShape, ball.points);
+  const InstanceId newId = stage.add(newShape, ball.points);
   EXPECT_EQ(stage.picture().rgba, picture.rgba);
   FrameWriter frame = renderer.beginFrame();
-  EXPECT_THROW(renderer.removeShape(newShape), std::logic_error);
+  stage.write(frame);
+  stage.remove(newId);
+  renderer.removeShape(newShape);
+  EXPECT_THROW(renderer.addInstance(newShape), std::runtime_error) << "at once";
+  renderer.draw(frame, stage.camera, stage.light);
+  EXPECT_EQ(renderer.readPixels().rgba, picture.rgba) << "an open frame is drawn with it";
+  EXPECT_EQ(renderer.gpuMemory().shapes, before);
+}
+
+TEST(Renderer, BadInputOfAFrameIsNamedAndLeavesItOpen) {
+  Stage stage;
+  populate(stage);
+  const Image expected = stage.picture();
+  Renderer& renderer = stage.renderer();
+  FrameWriter frame = renderer.beginFrame();
+  stage.write(frame);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto errorWith = [&](auto change) {
+    Camera camera = stage.camera;
+    Light light = stage.light;
+    DrawOptions options;
+    change(camera, light, options);
+    return errorOf([&] { renderer.draw(frame, camera, light, options); });
+  };
+  EXPECT_EQ(errorWith([&](Camera& c, Light&, DrawOptions&) { c.eye.y = nan; }), "camera.eye is not finite");
+  EXPECT_EQ(errorWith([&](Camera& c, Light&, DrawOptions&) { c.target = c.eye; }),
+            "camera.target is camera.eye");
+  EXPECT_EQ(errorWith([&](Camera& c, Light&, DrawOptions&) { c.nearPlane = c.farPlane; }),
+            "camera.nearPlane must be above 0 and below farPlane");
+  EXPECT_EQ(errorWith([&](Camera&, Light& l, DrawOptions&) { l.shadowRadius = nan; }),
+            "light.shadowRadius is not finite");
+  EXPECT_EQ(errorWith([&](Camera&, Light&, DrawOptions& o) { o.strainRange = 0.0f; }),
+            "options.strainRange must be above 0");
+  renderer.draw(frame, stage.camera, stage.light);
+  EXPECT_EQ(renderer.readPixels().rgba, expected.rgba);
+  FrameWriter next = renderer.beginFrame();
+  const FrameWriter moved = std::move(next);
+  EXPECT_THROW(next.points({}), std::logic_error) << "moved";
 }
 
 TEST(Renderer, MemoryReportCoversWhatWasAdded) {

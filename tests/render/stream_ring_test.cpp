@@ -15,7 +15,12 @@ using std::chrono::nanoseconds;
 // Fences are numbers. Those in `passed` are signalled; the others pass only if `patient` is set.
 class FakeFences final : public FenceSource {
  public:
-  Fence insert() override { return reinterpret_cast<Fence>(++last); }
+  Fence insert() override {
+    if (lost) {
+      throw std::runtime_error("no context");
+    }
+    return reinterpret_cast<Fence>(++last);
+  }
   bool wait(Fence fence, nanoseconds timeout) override {
     ++waits;
     longest = std::max(longest, timeout);
@@ -27,7 +32,7 @@ class FakeFences final : public FenceSource {
   std::uintptr_t last = 0;
   std::set<std::uintptr_t> passed;
   std::set<std::uintptr_t> destroyed;
-  bool patient = false;
+  bool patient = false, lost = false;
   int waits = 0;
   nanoseconds longest{0};
 };
@@ -55,6 +60,17 @@ TEST(StreamRing, GoesRoundAndFencesEachRegionOnce) {
   EXPECT_EQ(ring.begin(), 0u);
   EXPECT_EQ(ring.state(1), StreamRing::State::InFlight);
   EXPECT_EQ(fences.destroyed, std::set<std::uintptr_t>{1});
+}
+
+TEST(StreamRing, GoesOnAfterARegionWithoutAFence) {
+  FakeFences fences;
+  StreamRing ring(fences);
+  ring.begin();
+  fences.lost = true;
+  EXPECT_THROW(ring.submit(), std::runtime_error);
+  fences.lost = false;
+  EXPECT_FALSE(ring.writing());
+  EXPECT_NO_THROW(runFrames(ring, 2));
 }
 
 TEST(StreamRing, CountsWaitsAndStallsApart) {

@@ -92,6 +92,34 @@ TEST_F(SoftViewTest, BodiesThatHideTheirBackFacesHaveAShapeOfTheirOwn) {
   EXPECT_EQ(stage.renderer().lastFrame().shapeDrawCalls, 2u);
 }
 
+TEST_F(SoftViewTest, AMirroredBodyShowsItsOutside) {
+  SoftBodySettings s;
+  s.scale = {-1, 1, 1};
+  ASSERT_TRUE(system.createBody(cube, s));
+  const auto pictureOf = [&](bool hidesBackFaces) {
+    const SoftView view(stage.renderer(), system, [&](const SoftBody&) {
+      SoftLook look;
+      look.hideBackFaces = hidesBackFaces;
+      return look;
+    });
+    draw(view);
+    return stage.renderer().readPixels();
+  };
+  EXPECT_EQ(pictureOf(true).rgba, pictureOf(false).rgba);
+}
+
+TEST_F(SoftViewTest, MayEndWhileAFrameIsOpen) {
+  add(cube, 0.0);
+  {
+    const render::FrameWriter frame = [&] {
+      const SoftView view(stage.renderer(), system);
+      return stage.renderer().beginFrame();
+    }();
+    EXPECT_EQ(stage.renderer().instanceCount(), 0u);
+  }
+  EXPECT_EQ(stage.renderer().gpuMemory().shapes, 0u);
+}
+
 TEST_F(SoftViewTest, TheLookIsAskedOnceForEachBody) {
   add(cube, 0.0);
   int calls = 0;

@@ -183,7 +183,8 @@ void RigidView::hide(const Shown& shown) {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-void addSurface(render::ShapeDesc& shape, const RenderSurface& surface) {
+/// `mirrored`: triangles then show their other side, and need the opposite order to face outwards.
+void addSurface(render::ShapeDesc& shape, const RenderSurface& surface, bool mirrored) {
   shape.skin = {surface.skin.firstWeight, surface.skin.points, surface.skin.weights};
   shape.vertexToPoint = surface.vertexToPoint;
   // a vertex without triangles has no point, but the renderer needs a valid index
@@ -192,7 +193,7 @@ void addSurface(render::ShapeDesc& shape, const RenderSurface& surface) {
   }
   for (const Eigen::Vector2f& uv : surface.uvs) shape.uvs.insert(shape.uvs.end(), {uv.x(), uv.y()});
   for (const Triangle& t : surface.triangles) {
-    shape.triangles.insert(shape.triangles.end(), t.begin(), t.end());
+    shape.triangles.insert(shape.triangles.end(), {t[0], t[mirrored ? 2 : 1], t[mirrored ? 1 : 2]});
   }
 }
 
@@ -220,7 +221,7 @@ render::ShapeDesc shapeOf(const SoftBody& body, render::Shading shading) {
   if (network.kind == NetworkKind::Rope)
     shape.tubeRadius = static_cast<float>(pointRadius(network, body.settings()));
   else
-    addSurface(shape, network.render);
+    addSurface(shape, network.render, body.settings().scale.prod() < 0.0);
   addSprings(shape, body);
   return shape;
 }

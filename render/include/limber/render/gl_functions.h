@@ -22,14 +22,14 @@ class GlContext;
   X(BindTexture, BINDTEXTURE)                                 \
   X(BindTextureUnit, BINDTEXTUREUNIT)                         \
   X(BindVertexArray, BINDVERTEXARRAY)                         \
-  X(BlendEquationSeparate, BLENDEQUATIONSEPARATE)             \
-  X(BlendFuncSeparate, BLENDFUNCSEPARATE)                     \
+  X(BlendEquationSeparatei, BLENDEQUATIONSEPARATEI)           \
+  X(BlendFuncSeparatei, BLENDFUNCSEPARATEI)                   \
   X(BlitNamedFramebuffer, BLITNAMEDFRAMEBUFFER)               \
   X(CheckNamedFramebufferStatus, CHECKNAMEDFRAMEBUFFERSTATUS) \
   X(ClearNamedFramebufferfv, CLEARNAMEDFRAMEBUFFERFV)         \
   X(ClientWaitSync, CLIENTWAITSYNC)                           \
   X(ClipControl, CLIPCONTROL)                                 \
-  X(ColorMask, COLORMASK)                                     \
+  X(ColorMaski, COLORMASKI)                                   \
   X(CompileShader, COMPILESHADER)                             \
   X(CopyImageSubData, COPYIMAGESUBDATA)                       \
   X(CreateBuffers, CREATEBUFFERS)                             \
@@ -49,19 +49,22 @@ class GlContext;
   X(DeleteVertexArrays, DELETEVERTEXARRAYS)                   \
   X(DepthFunc, DEPTHFUNC)                                     \
   X(DepthMask, DEPTHMASK)                                     \
-  X(DepthRangef, DEPTHRANGEF)                                 \
+  X(DepthRangeIndexed, DEPTHRANGEINDEXED)                     \
   X(Disable, DISABLE)                                         \
+  X(Disablei, DISABLEI)                                       \
   X(DispatchCompute, DISPATCHCOMPUTE)                         \
   X(DrawArraysInstanced, DRAWARRAYSINSTANCED)                 \
   X(DrawElementsInstanced, DRAWELEMENTSINSTANCED)             \
   X(Enable, ENABLE)                                           \
   X(EnableVertexArrayAttrib, ENABLEVERTEXARRAYATTRIB)         \
+  X(Enablei, ENABLEI)                                         \
   X(FenceSync, FENCESYNC)                                     \
   X(Finish, FINISH)                                           \
   X(Flush, FLUSH)                                             \
   X(FrontFace, FRONTFACE)                                     \
   X(GenerateTextureMipmap, GENERATETEXTUREMIPMAP)             \
   X(GetError, GETERROR)                                       \
+  X(GetFloati_v, GETFLOATI_V)                                 \
   X(GetFloatv, GETFLOATV)                                     \
   X(GetInteger64i_v, GETINTEGER64I_V)                         \
   X(GetInteger64v, GETINTEGER64V)                             \
@@ -76,6 +79,8 @@ class GlContext;
   X(GetStringi, GETSTRINGI)                                   \
   X(GetUniformLocation, GETUNIFORMLOCATION)                   \
   X(IsEnabled, ISENABLED)                                     \
+  X(IsEnabledi, ISENABLEDI)                                   \
+  X(IsFramebuffer, ISFRAMEBUFFER)                             \
   X(LinkProgram, LINKPROGRAM)                                 \
   X(MapNamedBufferRange, MAPNAMEDBUFFERRANGE)                 \
   X(MemoryBarrier, MEMORYBARRIER)                             \
@@ -84,12 +89,14 @@ class GlContext;
   X(NamedFramebufferDrawBuffer, NAMEDFRAMEBUFFERDRAWBUFFER)   \
   X(NamedFramebufferReadBuffer, NAMEDFRAMEBUFFERREADBUFFER)   \
   X(NamedFramebufferTexture, NAMEDFRAMEBUFFERTEXTURE)         \
+  X(PauseTransformFeedback, PAUSETRANSFORMFEEDBACK)           \
   X(PixelStorei, PIXELSTOREI)                                 \
   X(PolygonMode, POLYGONMODE)                                 \
   X(ProgramUniform1f, PROGRAMUNIFORM1F)                       \
   X(ProgramUniform1ui, PROGRAMUNIFORM1UI)                     \
   X(ProgramUniform4f, PROGRAMUNIFORM4F)                       \
   X(ReadPixels, READPIXELS)                                   \
+  X(ResumeTransformFeedback, RESUMETRANSFORMFEEDBACK)         \
   X(ShaderSource, SHADERSOURCE)                               \
   X(TextureParameterfv, TEXTUREPARAMETERFV)                   \
   X(TextureParameteri, TEXTUREPARAMETERI)                     \
@@ -103,7 +110,8 @@ class GlContext;
   X(VertexArrayAttribIFormat, VERTEXARRAYATTRIBIFORMAT)       \
   X(VertexArrayElementBuffer, VERTEXARRAYELEMENTBUFFER)       \
   X(VertexArrayVertexBuffer, VERTEXARRAYVERTEXBUFFER)         \
-  X(Viewport, VIEWPORT)
+  X(ViewportIndexedf, VIEWPORTINDEXEDF)                       \
+  X(ViewportIndexedfv, VIEWPORTINDEXEDFV)
 
 /// The functions of one context. They are members, not globals: global symbols with OpenGL's names could
 /// replace those inside the driver.

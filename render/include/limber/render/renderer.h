@@ -90,12 +90,12 @@ enum class DrawMode {
 
 struct DrawOptions {
   DrawMode mode = DrawMode::Shaded;
-  float strainRange = 0.1f;                 ///< Strain (length / rest - 1) drawn in full blue (-) or red (+).
-  float lineWidth = 1.6f;                   ///< Pixels.
-  float hiddenOverlay = 0.25f;              ///< Opacity of overlay lines behind surfaces; 0: not drawn.
-  bool legend = true;                       ///< A bar of the strain colours, in wireframe mode only.
-  std::vector<Legend> legends;              ///< Further legends, above that one.
-  Vec3 backgroundTop{0.87f, 0.90f, 0.93f};  ///< sRGB.
+  float strainRange = 0.1f;     ///< Strain (length / rest - 1) drawn in full blue (-) or red (+); > 0.
+  float lineWidth = 1.6f;       ///< Pixels.
+  float hiddenOverlay = 0.25f;  ///< Opacity of overlay lines behind surfaces; 0: not drawn.
+  bool legend = true;           ///< A bar of the strain colours, in wireframe mode only.
+  std::vector<Legend> legends;  ///< Further legends, above that one.
+  Vec3 backgroundTop{0.87f, 0.90f, 0.93f};     ///< sRGB.
   Vec3 backgroundBottom{0.97f, 0.96f, 0.94f};  ///< sRGB.
 };
 
@@ -160,7 +160,9 @@ class FrameWriter {
 /// renderer is as it was before the call.
 ///
 /// The context may belong to the program, see adoptContext(): the renderer then restores all OpenGL state
-/// after use. blitTo() copies the picture into a framebuffer of the program.
+/// after use, and pauses transform feedback. Do not call it under conditional rendering, which it cannot see,
+/// and call glGetError() before it: it clears older errors. blitTo() copies the picture into a framebuffer of
+/// the program.
 ///
 /// Threads: all calls on the thread on which the context is current. The context must outlive the
 /// renderer and be current when it is destroyed.
@@ -178,7 +180,7 @@ class Renderer {
 
   /// Uploads the shared data of a shape.
   ShapeId addShape(const ShapeDesc& desc);
-  /// Frees a shape; it must have no instances. Not while a frame is open.
+  /// Frees a shape; it must have no instances. An open frame is drawn with it.
   void removeShape(ShapeId shape);
   /// `rgba`: 4 x width x height bytes, sRGB, top row first. The texture repeats, has mipmaps and exists as
   /// long as the renderer.
@@ -193,12 +195,13 @@ class Renderer {
   /// Opens a frame. Waits for the GPU only if three frames are in flight, or if the buffer has
   /// to grow because of added instances.
   FrameWriter beginFrame();
-  /// Submits the picture and closes the frame; returns without waiting for the GPU.
-  /// `overlay` is drawn over the shapes and read before the call returns.
+  /// Submits the picture and closes the frame; returns without waiting for the GPU. Bad input leaves the
+  /// frame open, other errors cancel it. `overlay` is drawn over the shapes and read before the call returns.
   void draw(FrameWriter& frame, const Camera& camera, const Light& light, const DrawOptions& options = {},
             const Overlay& overlay = {});
 
-  /// Waits for the last picture and returns it. The second form reuses the image's memory.
+  /// Waits for the last picture and returns it; before the first draw(), and after resize(), its content is
+  /// undefined. The second form reuses the image's memory.
   Image readPixels();
   void readPixels(Image& image);
 
