@@ -21,7 +21,15 @@ constexpr std::array<GLenum, GlState::kCaps> kCapNames{GL_COLOR_LOGIC_OP,
                                                        GL_SAMPLE_SHADING,
                                                        GL_STENCIL_TEST,
                                                        GL_LINE_SMOOTH,
-                                                       GL_POLYGON_SMOOTH};
+                                                       GL_POLYGON_SMOOTH,
+                                                       GL_CLIP_DISTANCE0,
+                                                       GL_CLIP_DISTANCE1,
+                                                       GL_CLIP_DISTANCE2,
+                                                       GL_CLIP_DISTANCE3,
+                                                       GL_CLIP_DISTANCE4,
+                                                       GL_CLIP_DISTANCE5,
+                                                       GL_CLIP_DISTANCE6,
+                                                       GL_CLIP_DISTANCE7};
 
 // In the order of `Value`.
 constexpr std::array<GLenum, GlState::kValues> kValueNames{GL_CURRENT_PROGRAM,
@@ -40,6 +48,7 @@ constexpr std::array<GLenum, GlState::kValues> kValueNames{GL_CURRENT_PROGRAM,
                                                            GL_BLEND_EQUATION_ALPHA,
                                                            GL_CLIP_ORIGIN,
                                                            GL_CLIP_DEPTH_MODE,
+                                                           GL_PROVOKING_VERTEX,
                                                            GL_PIXEL_PACK_BUFFER_BINDING,
                                                            GL_PIXEL_UNPACK_BUFFER_BINDING,
                                                            GL_PACK_ALIGNMENT,
@@ -74,11 +83,12 @@ enum Value : std::size_t {
   kBlendEquationAlpha,
   kClipOrigin,
   kClipDepth,
+  kProvokingVertex,
   kPackBuffer,
   kUnpackBuffer,
   kFirstPixelStore,
-  kUniformBuffer = 30,
-  kStorageBuffer = 31
+  kUniformBuffer = 31,
+  kStorageBuffer = 32
 };
 
 void setCap(const Gl& gl, GLenum cap, bool on) { on ? gl.Enable(cap) : gl.Disable(cap); }
@@ -154,6 +164,7 @@ void writeFixedFunctions(const Gl& gl, const GlState& state) {
                         toEnum(v[kBlendDstAlpha]));
   gl.BlendEquationSeparatei(0, toEnum(v[kBlendEquationRgb]), toEnum(v[kBlendEquationAlpha]));
   gl.ClipControl(toEnum(v[kClipOrigin]), toEnum(v[kClipDepth]));
+  gl.ProvokingVertex(toEnum(v[kProvokingVertex]));
   for (std::size_t i = kFirstPixelStore; i < kUniformBuffer; ++i) {
     gl.PixelStorei(kValueNames[i], v[i]);
   }
@@ -231,6 +242,7 @@ void setRendererState(const Gl& gl) {
   // Rows are then ordered from the top down, as in PNG and video.
   v[kClipOrigin] = GL_UPPER_LEFT;
   v[kClipDepth] = GL_ZERO_TO_ONE;
+  v[kProvokingVertex] = GL_LAST_VERTEX_CONVENTION;
   for (std::size_t i = kFirstPixelStore; i < kUniformBuffer; ++i) {
     const bool alignment = kValueNames[i] == GL_PACK_ALIGNMENT || kValueNames[i] == GL_UNPACK_ALIGNMENT;
     v[i] = alignment ? 1 : 0;

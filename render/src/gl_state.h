@@ -11,8 +11,8 @@ namespace limber::render {
 
 /// The state of a context that the renderer changes or that could change its pictures.
 struct GlState {
-  static constexpr std::size_t kCaps = 18;
-  static constexpr std::size_t kValues = 32;
+  static constexpr std::size_t kCaps = 26;
+  static constexpr std::size_t kValues = 33;
   static constexpr std::size_t kStorageBindings = 7;  ///< The highest StorageBinding plus one.
   static constexpr std::size_t kTextureUnits = 4;
 

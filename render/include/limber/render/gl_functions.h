@@ -95,6 +95,7 @@ class GlContext;
   X(ProgramUniform1f, PROGRAMUNIFORM1F)                       \
   X(ProgramUniform1ui, PROGRAMUNIFORM1UI)                     \
   X(ProgramUniform4f, PROGRAMUNIFORM4F)                       \
+  X(ProvokingVertex, PROVOKINGVERTEX)                         \
   X(ReadPixels, READPIXELS)                                   \
   X(ResumeTransformFeedback, RESUMETRANSFORMFEEDBACK)         \
   X(ShaderSource, SHADERSOURCE)                               \
