@@ -301,7 +301,10 @@ TEST(Change, errorsChangeNothing) {
             "settings: collision cannot change while the body lives");
   EXPECT_EQ(errorOf([](SoftBodySettings& s) { s.groups.push_back({"arms"}); }),
             "groups[0].name is arms, but the network has no groups");
+  EXPECT_EQ(errorOf([](SoftBodySettings& s) { s.scale.setConstant(1e8); }),
+            "settings: point 0 would have a coordinate of 5e+07 m, must be at most 2e6");
   EXPECT_DOUBLE_EQ(world.body->settings().totalMass, 1.0);
+  EXPECT_DOUBLE_EQ(world.body->settings().scale.x(), 1.0);
   EXPECT_TRUE(world.body->settings().groups.empty());
 }
 
@@ -324,6 +327,9 @@ TEST(Change, bodiesThatAreNotAliveRefuseAllChanges) {
         body->applyBlast(up, 1, 1), body->pin(1), body->movePin(0, up), body->teleportPin(0, up),
         body->unpin(0), body->restoreState(body->saveState())})
     EXPECT_EQ(result.error(), "the soft body is disabled, see alive()");
+  btRigidBody* box = world.bullet.addBox(vec(1, 1, 1), 1.0, vec(5, 0, 0));
+  EXPECT_EQ(world.system.attach(body, 1, *box).error(), "the soft body is disabled, see alive()");
+  EXPECT_EQ(grab(world.system, body, 1).error(), "the soft body is disabled, see alive()");
   EXPECT_EQ(body->cut(up, up).error(), "the soft body is disabled, see alive()");
   EXPECT_DOUBLE_EQ(body->settings().totalMass, 1.0);
   EXPECT_TRUE(body->pinned(0));

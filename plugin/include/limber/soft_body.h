@@ -28,7 +28,8 @@ struct Tear {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< m
   std::uint32_t point = 0;                          ///< the divided point
   std::uint32_t copy = 0;                           ///< the new point at the same place
-  double energy = 0.0;                              ///< J, of the spring that was too long; 0: a cut
+  double energy = 0.0;  ///< J, of the spring that was too long; 0: a cut, or a point next to
+                        ///< that spring that the same tear divides
 };
 
 /// One soft body in a world. SoftBodySystem creates and owns it; the pointer is valid until destroyBody(),
@@ -159,10 +160,11 @@ class LIMBER_API SoftBody {
   /// at the present strains, a mass at the present velocities, a pressure at the present volume. Another
   /// `scale` scales the present shape about the centre of mass along the body's axes, with equal strains;
   /// pinned and attached points stay. Springs that have yielded keep the strain of that, broken ones stay
-  /// broken. Masses, friction, restitution and sleeping thresholds that the user has set on Bullet's objects
-  /// are replaced only where these settings differ from the present ones. Position, rotation and velocities
-  /// in `settings` are not used. Makes new constants, which takes about as long as creating a body. Errors,
-  /// with nothing changed: those of createBody(); another `collision`; another sign of a `scale`.
+  /// broken. Masses that the user has set on points stay; friction, restitution and sleeping thresholds that
+  /// the user has set on Bullet's objects are replaced where these settings differ from the present ones.
+  /// Position, rotation and velocities in `settings` are not used. Makes new constants, which takes about as
+  /// long as creating a body. Errors, with nothing changed: those of createBody(); another `collision`;
+  /// another sign of a `scale`.
   Result<void> change(const SoftBodySettings& settings);
 
   /// Returns the place of the body: the centre of mass of all points, pinned ones included, and the rotation

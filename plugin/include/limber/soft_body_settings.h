@@ -166,7 +166,7 @@ struct SoftBodySettings {
 };
 
 /// Checks settings. The error is the first invalid one and the reason ("totalMass is -1, must be from 1e-9 to
-/// 1e9"). SoftBodySystem::createBody() also checks the settings together with the network.
+/// 1e12"). SoftBodySystem::createBody() also checks the settings together with the network.
 LIMBER_API Result<void> validate(const SoftBodySettings& settings);
 
 /// Returns the radius (m) of a body's point masses: the setting, or 2 % of the shortest spring at the body's

@@ -221,17 +221,22 @@ void placeAsCreated(SoftBodyData& body) {
     state.velocity.col(i) = s.linearVelocity + s.angularVelocity.cross(state.position.col(i) - center);
 }
 
+std::string checkPlace(std::size_t point, const Eigen::Vector3d& place) {
+  const double coordinate = place.cwiseAbs().maxCoeff();
+  if (coordinate <= kMaxCoordinate) return {};
+  return "point " + std::to_string(point) + " would have a coordinate of " + inWords(coordinate) +
+         " m, must be at most 2e6";
+}
+
 namespace {
 
 std::string checkPoints(const PointState& state) {
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    const std::string point = "point " + std::to_string(i);
-    const double coordinate = state.position.col(i).cwiseAbs().maxCoeff(),
-                 speed = state.velocity.col(i).norm();
-    if (!(coordinate <= kMaxCoordinate))
-      return point + " would have a coordinate of " + inWords(coordinate) + " m, must be at most 2e6";
+    std::string reason = checkPlace(static_cast<std::size_t>(i), state.position.col(i));
+    if (!reason.empty()) return reason;
+    const double speed = state.velocity.col(i).norm();
     if (!(speed <= kMaxPointSpeed))
-      return point + " would move at " + inWords(speed) + " m/s, must be at most 1e6";
+      return "point " + std::to_string(i) + " would move at " + inWords(speed) + " m/s, must be at most 1e6";
   }
   return {};
 }

@@ -369,16 +369,26 @@ Result<void> SoftBody::applyBlast(const btVector3& center, btScalar radius, btSc
 
 namespace {
 
-/// Scales the present shape about the centre of mass along the body's own axes. Held and attached points
-/// stay.
-void scaleShape(SoftBodyData& body, const Vector3d& ratio) {
+/// Calls visit(i, place) with the places (m) to which a scaling of the present shape, about the centre of
+/// mass along the body's own axes, brings the points. Held and attached points stay.
+template <class Visit>
+void forEachScaled(SoftBodyData& body, const Vector3d& ratio, Visit visit) {
   const Placement at = placementOf(body);
   const Matrix3d r = at.rotation.toRotationMatrix(), scaling = r * ratio.asDiagonal() * r.transpose();
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
     const auto isHere = [&](const Anchor& anchor) { return anchor.point == i; };
     if (body.masses.held[i] || std::any_of(body.anchors.begin(), body.anchors.end(), isHere)) continue;
-    body.state.position.col(i) = at.center + scaling * (body.state.position.col(i) - at.center);
+    visit(i, Vector3d(at.center + scaling * (body.state.position.col(i) - at.center)));
   }
+}
+
+Result<void> checkScaled(SoftBodyData& body, const Vector3d& ratio) {
+  std::string reason;
+  forEachScaled(body, ratio, [&](std::uint32_t i, const Vector3d& place) {
+    if (reason.empty()) reason = checkPlace(i, place);
+  });
+  if (!reason.empty()) return Error{"settings: " + reason};
+  return {};
 }
 
 /// Takes over constants of a new model. Springs that have yielded keep the strain of that; broken ones stay
@@ -463,7 +473,7 @@ Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
     if ((s.scale[i] < 0.0) != (body.settings.scale[i] < 0.0))
       return Error{std::string("settings: scale.") + "xyz"[i] +
                    " cannot change its sign while the body lives"};
-  return {};
+  return checkScaled(body, s.scale.cwiseQuotient(body.settings.scale));
 }
 
 /// Returns whether what lies on the body may then have nothing below it.
@@ -499,7 +509,9 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
   body.settings.rotation = before.rotation;
   body.settings.linearVelocity = before.linearVelocity;
   body.settings.angularVelocity = before.angularVelocity;
-  if (settings.scale != before.scale) scaleShape(body, settings.scale.cwiseQuotient(before.scale));
+  if (settings.scale != before.scale)
+    forEachScaled(body, settings.scale.cwiseQuotient(before.scale),
+                  [&](std::uint32_t i, const Vector3d& place) { body.state.position.col(i) = place; });
   const std::shared_ptr<const BodyModel> old = std::exchange(body.model, *model);
   if (old != body.model) {
     takeConstants(body);

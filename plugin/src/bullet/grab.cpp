@@ -143,7 +143,8 @@ Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const
   if (!(settings.frequency >= 0.01 && settings.frequency <= 1000.0))
     return Error{mustBe("frequency", settings.frequency, "from 0.01 to 1000 Hz")};
   if (!(settings.maxForce >= 0.0)) return Error{mustBe("maxForce", settings.maxForce, "0 or more")};
-  if (!body->point(i)) return Error{"the soft body has no such point"};
+  if (!body->alive()) return notAlive();
+  if (!body->point(i)) return Error{"there is no point " + std::to_string(i)};
   if (body->pinned(i)) return Error{"the point is pinned"};
   const double omega = kTwoPi * settings.frequency, mass = body->totalMass();
   Grab held;

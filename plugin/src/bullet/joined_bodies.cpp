@@ -52,6 +52,7 @@ Result<std::vector<SpringConstraint*>> SoftBodySystem::weld(SoftBody* a, SoftBod
   if (!impl_->owns(a) || !impl_->owns(b))
     return Error{"a soft body is not, or no longer, one of this system"};
   if (a == b) return Error{"a soft body cannot be welded to itself"};
+  if (!a->alive() || !b->alive()) return notAlive();
   if (!(distance > 0.0)) return Error{"the distance of a weld must be above 0"};
   const std::vector<WeldPair> pairs = nearestPairs(*a, *b, distance);
   if (pairs.empty()) return Error{"no points of the two bodies are within the distance"};

@@ -340,10 +340,12 @@ Error foreignBody() { return {"the soft body is not, or no longer, in this world
 
 }  // namespace
 
-Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
-                                    const btVector3& pivot, double breakForce) {
-  if (!impl_->step->owns(softBody)) return foreignBody();
+Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, const Anchor& anchor) const {
+  if (!step->owns(softBody)) return foreignBody();
   SoftBodyData& data = *softBody->data_;
+  if (!isAlive(data)) return notAlive();
+  const std::uint32_t i = anchor.point;
+  const btRigidBody& body = *anchor.body;
   const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
   if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
   if (findAnchor(data.anchors, i) != data.anchors.end())
@@ -352,12 +354,33 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
   if (PointMass::from(&body) || SurfaceObject::from(&body))
     return Error{
         "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
-  if (isElsewhere(body, *impl_->world)) return Error{"the rigid body is in another world"};
-  if (!isValidPivot(pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
-  if (!(breakForce >= 0.0 && breakForce <= 1e18)) return Error{"breakForce must be from 0 to 1e18"};
+  if (isElsewhere(body, *world)) return Error{"the rigid body is in another world"};
+  if (!isValidPivot(anchor.pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
+  if (!(anchor.breakForce >= 0.0 && anchor.breakForce <= 1e18))
+    return Error{"breakForce must be from 0 to 1e18"};
+  return {};
+}
+
+namespace {
+
+Anchor anchorOf(std::uint32_t i, btRigidBody& body, const btVector3& pivot, double breakForce) {
   Anchor anchor{i, &body, pivot};
   anchor.breakForce = breakForce;
-  data.anchors.push_back(anchor);
+  return anchor;
+}
+
+/// Where the point is now.
+btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body) {
+  return body.getWorldTransform().inverse() * toBullet(softBody.position(i));
+}
+
+}  // namespace
+
+Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
+                                    const btVector3& pivot, double breakForce) {
+  const Anchor anchor = anchorOf(i, body, pivot, breakForce);
+  if (Result<void> valid = impl_->checkAttachment(softBody, anchor); !valid) return valid;
+  softBody->data_->anchors.push_back(anchor);
   softBody->wake();
   impl_->step->groupsStale = true;
   return {};
@@ -367,18 +390,23 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigid
                                     double breakForce) {
   if (!impl_->step->owns(softBody)) return foreignBody();
   if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
-  const btVector3 position = toBullet(softBody->position(i));
-  return attach(softBody, i, body, body.getWorldTransform().inverse() * position, breakForce);
+  return attach(softBody, i, body, pivotAt(*softBody, i, body), breakForce);
 }
 
 Result<void> SoftBodySystem::attach(SoftBody* softBody, const std::vector<std::uint32_t>& points,
                                     btRigidBody& body, double breakForce) {
+  if (!impl_->step->owns(softBody)) return foreignBody();
   for (std::size_t n = 0; n < points.size(); ++n) {
-    Result<void> attached = attach(softBody, points[n], body, breakForce);
-    if (attached) continue;
-    while (n-- > 0) impl_->detach(softBody, points[n]);
-    return attached;
+    const std::uint32_t i = points[n];
+    if (std::find(points.begin(), points.begin() + std::ptrdiff_t(n), i) !=
+        points.begin() + std::ptrdiff_t(n))
+      return Error{"point " + std::to_string(i) + " is listed twice"};
+    const bool exists = i < softBody->pointCount();
+    const btVector3 pivot = exists ? pivotAt(*softBody, i, body) : btVector3(0, 0, 0);
+    if (Result<void> valid = impl_->checkAttachment(softBody, anchorOf(i, body, pivot, breakForce)); !valid)
+      return valid;
   }
+  for (const std::uint32_t i : points) static_cast<void>(attach(softBody, i, body, breakForce));
   return {};
 }
 

@@ -44,6 +44,8 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
 
   void hookUp();
   void unhookIfIdle(bool alive);
+  /// The errors of attach().
+  Result<void> checkAttachment(const SoftBody* softBody, const Anchor& anchor) const;
   bool detach(SoftBody* softBody, std::uint32_t i);
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
