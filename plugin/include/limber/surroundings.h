@@ -57,7 +57,8 @@ struct Air {
 /// solid of up to a tenth of the water's density has the inertia of the water that it pushes aside, too: half
 /// the displaced mass, as a sphere; from a fifth on none. On a solid that is too light for the tick, the
 /// water acts as a whole, with that inertia, and the waves carry its energy away (unless FlowCoefficients::
-/// linearDrag is set), so that it comes to rest. The pressure compresses soft bodies: they displace less.
+/// linearDrag is set), so that it comes to rest. The pressure, counted from the top of a body that is under
+/// water, compresses soft bodies: they displace less. Depth alone compresses nothing, neither solids nor gas.
 struct Water {
   double density = 1000.0;                         ///< kg/m^3, 1e-15 to 1e9
   double level = 0.0;                              ///< m, to 1e6, height of the plane against gravity
