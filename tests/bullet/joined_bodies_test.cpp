@@ -396,6 +396,26 @@ TEST(Anchors, aRopeFromTheMiddleOfASpinningBodyTakesNoAngularMomentum) {
     }
 }
 
+/// Its last points are inside the ball, which pushed them out against the anchor: 73 to 150 N.
+TEST(Anchors, aRopeMayBeginInTheMiddleOfABall) {
+  BulletWorld bullet(-10.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 8, 0};
+  s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+  s.damping = 5.0;
+  SoftBody* rope = *system.createBody(*buildRope({}), s);
+  const std::uint32_t last = rope->pointCount() - 1;
+  ASSERT_TRUE(rope->pin(0));
+  btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 2.0,
+                                 vec(rope->position(last).x(), rope->position(last).y(), 0));
+  ball->setActivationState(DISABLE_DEACTIVATION);
+  ASSERT_TRUE(system.attach(rope, last, *ball));
+  bullet.simulate(20.0);
+  EXPECT_NEAR(double(rope->anchorForce(last).y()), -20.0, 0.1) << "the weight of the ball";
+  for (std::uint32_t i = 0; i < last; ++i) EXPECT_LT(rope->position(i + 1).y(), rope->position(i).y());
+}
+
 TEST(Anchors, anEdgeIsAttachedAsAWholeOrNotAtAll) {
   BulletWorld bullet(-10.0);
   SoftBodySystem system(*bullet.world);

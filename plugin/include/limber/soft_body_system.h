@@ -156,8 +156,9 @@ class LIMBER_API SoftBodySystem {
   std::size_t springCount() const;
 
   /// Attaches point i to `body` at a pivot (m) in the body's local coordinates (the overload without pivot:
-  /// at the current position of the point). Forces act in both directions; point and body do not collide.
-  /// The anchor breaks for good in a tick in which it had to hold more than `breakForce` (N, 0: never), see
+  /// at the current position of the point). Forces act in both directions; point and body do not collide, nor
+  /// do the points around it that are inside the body, deeper than their radius, when it is attached. The
+  /// anchor breaks for good in a tick in which it had to hold more than `breakForce` (N, 0: never), see
   /// ContactListener::anchorBreaks(), SoftBody::attached() and SoftBody::anchorForce(). Errors: a breakForce
   /// that is not from 0 to 1e18; a soft body that does not, or no longer, belong to a system of this world,
   /// no such point, a point that is already attached or pinned, a body that is a point mass or a surface

@@ -7,6 +7,7 @@
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
+#include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_hook.h"
@@ -19,6 +20,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -369,6 +371,48 @@ Anchor anchorOf(std::uint32_t i, btRigidBody& body, const btVector3& pivot, doub
   return anchor;
 }
 
+/// Returns whether a place is inside a convex shape, or one of a compound, by more than `depth` (m).
+bool isInside(const btCollisionShape& shape, const btTransform& pose, const Eigen::Vector3d& place,
+              double depth) {
+  if (shape.isCompound()) {
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    for (int i = 0; i < compound.getNumChildShapes(); ++i)
+      if (isInside(*compound.getChildShape(i), pose * compound.getChildTransform(i), place, depth))
+        return true;
+    return false;
+  }
+  if (!shape.isConvex()) return false;
+  if (const std::optional<HeldPiece> solid = solidOf(shape, pose))
+    return nearestOn(&*solid, &*solid + 1, place).height < -depth;
+  HeldPoint nearest;
+  return !findNearestOutside(static_cast<const btConvexShape&>(shape), pose, place, nearest);
+}
+
+/// Returns the points, sorted, that springs inside the body join to point i: a rope that is attached to the
+/// middle of a ball begins there.
+std::vector<std::uint32_t> pointsInside(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body,
+                                        double depth) {
+  const auto isIn = [&](std::uint32_t point) {
+    return isInside(*body.getCollisionShape(), body.getWorldTransform(), softBody.position(point), depth);
+  };
+  std::vector<std::uint32_t> inside;
+  if (!isIn(i)) return inside;
+  std::vector<bool> isFound(softBody.pointCount(), false);
+  isFound[i] = true;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (const NetworkSpring& spring : softBody.network().springs) {
+      if (isFound[spring.a] == isFound[spring.b]) continue;
+      const std::uint32_t next = isFound[spring.a] ? spring.b : spring.a;
+      if (!isIn(next)) continue;
+      isFound[next] = grows = true;
+      inside.push_back(next);
+    }
+  }
+  std::sort(inside.begin(), inside.end());
+  return inside;
+}
+
 /// Where the point is now.
 btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body) {
   return body.getWorldTransform().inverse() * toBullet(softBody.position(i));
@@ -378,9 +422,10 @@ btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& 
 
 Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot, double breakForce) {
-  const Anchor anchor = anchorOf(i, body, pivot, breakForce);
+  Anchor anchor = anchorOf(i, body, pivot, breakForce);
   if (Result<void> valid = impl_->checkAttachment(softBody, anchor); !valid) return valid;
-  softBody->data_->anchors.push_back(anchor);
+  anchor.inside = pointsInside(*softBody, i, body, radiusOf(*softBody->data_));
+  softBody->data_->anchors.push_back(std::move(anchor));
   softBody->wake();
   impl_->step->groupsStale = true;
   return {};
