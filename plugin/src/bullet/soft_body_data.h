@@ -51,7 +51,7 @@ struct Anchor {
   btVector3 pivot;                       ///< in the body's local coordinates
   double breakForce = 0.0;               ///< N; 0: never
   btVector3 force = btVector3(0, 0, 0);  ///< N on the point, mean of the last tick
-  std::vector<std::uint32_t> inside;     ///< sorted, points around it that were inside the body, too
+  std::vector<std::uint32_t> inside{};   ///< sorted, points around it that were inside the body, too
 };
 
 /// The impulse of a contact in the last tick, for the warm start of the next one.
