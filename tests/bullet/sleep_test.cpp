@@ -340,8 +340,8 @@ bool sleepsWhileItSwings(double speed) {
   return body->sleeping();
 }
 
-/// Points of a crushed pile that slip now and then keep no pile awake. A tick above the sleeping speed takes
-/// back six below it: the swing is above it 6 % of the time, and 54 %.
+/// A pile may sleep although a point slips now and then: a tick above the sleeping speed subtracts six ticks.
+/// The swing is above that speed 6 % of the time, and 54 %.
 TEST(Sleep, comesInSpiteOfFewFastTicks) {
   EXPECT_TRUE(sleepsWhileItSwings(0.1005));
   EXPECT_FALSE(sleepsWhileItSwings(0.15));

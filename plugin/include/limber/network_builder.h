@@ -163,8 +163,8 @@ LIMBER_API Result<void> validate(const Material& material);
 /// `settings`. The mass is that of SpringNetwork::volume, if it has one.
 /// - Networks of tetrahedra: modulus and ratio hold for small deformations. They are measured on the network
 ///   with a few linear solves, which take a second for 5 000 points. The modulus is the mean of those in
-///   many directions: bars of 300 to 800 points are right within 2 % along their length at a ratio of 0.25,
-///   but too soft by 4 to 15 % at 0.4 and by 9 to 23 % at 0.49. With a ratio of 0.25 a cube that is
+///   many directions: a bar has it along its length at a ratio of 0.25, and is too soft there the nearer the
+///   ratio is to 0.5. With a ratio of 0.25 a cube that is
 ///   compressed by more than a fifth to a quarter pushes back no more than 0.17 to 0.18 E A, so a larger load
 ///   crushes it to half its height; with 0.4 that begins at 35 to 40 %, with 0.49 not below 70 %.
 /// - Other solids: E = sum k L^2 / (6 V)  with the volume V, the modulus of a random isotropic network. They,

@@ -148,7 +148,7 @@ struct SoftBodySettings {
   bool continuousCollision = true;    ///< also find contacts within a tick that were not predicted at its
                                       ///< start, so that fast objects do not pass through
   double sleepingSpeed = 0.1;  ///< m/s, 0 to 1e6; a body falls asleep when all its points have been slower
-                               ///< than this for gDeactivationTime; a faster tick takes back six slower ones
+                               ///< than this for gDeactivationTime; each faster tick subtracts six ticks
   double gravityFactor = 1.0;  ///< of the world's gravity, -1000 to 1000; 0: weightless. Does not apply to
                                ///< points whose gravity the user has set (BT_DISABLE_WORLD_GRAVITY)
   double maxPinSpeed = 300.0;  ///< m/s, 1e-6 to 1e6; a pin whose target is farther than this allows in a tick

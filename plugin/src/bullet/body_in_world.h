@@ -43,10 +43,10 @@ Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
 /// settings, and ten times the largest speed.
 constexpr double kMaxCoordinate = 2e6, kMaxPointSpeed = 1e6;
 
-/// The error of all changes of a body that is not alive.
 /// Returns why a point cannot be at a place (m), or an empty text.
 std::string checkPlace(std::size_t point, const Eigen::Vector3d& place);
 
+/// The error of all changes of a body that is not alive.
 inline Error notAlive() { return {"the soft body is disabled, see alive()"}; }
 
 /// Sets positions and velocities to those of a new body.

@@ -473,6 +473,7 @@ Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
     if ((s.scale[i] < 0.0) != (body.settings.scale[i] < 0.0))
       return Error{std::string("settings: scale.") + "xyz"[i] +
                    " cannot change its sign while the body lives"};
+  if (s.scale == body.settings.scale) return {};
   return checkScaled(body, s.scale.cwiseQuotient(body.settings.scale));
 }
 

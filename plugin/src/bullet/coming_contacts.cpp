@@ -44,7 +44,7 @@ btVector3 wayOf(const btCollisionObject& object, double tick) {
   return btScalar(tick) * body->getLinearVelocity() + toBullet(fallOf(*body, tick));
 }
 
-/// The same without what gravity adds in the tick. What falls with a body holds it no less than a floor.
+/// The same without what gravity and forces add in the tick: what falls with a body supports it like a floor.
 btVector3 ownWayOf(const btCollisionObject& object, double tick) {
   const btRigidBody* body = btRigidBody::upcast(&object);
   return body && isFree(*body) ? btScalar(tick) * body->getLinearVelocity() : wayOf(object, tick);
@@ -167,6 +167,7 @@ struct HalfSpace {
   btScalar heightOf(const btVector3& point) const { return normal.dot(point - on); }
 };
 
+/// m, largest distance at which the object counts as touching.
 btScalar resolutionOf(const btCollisionObject& object) {
   return std::min(kApart, kApartShare * btScalar(boundingRadiusOf(object)));
 }
@@ -515,23 +516,23 @@ struct ComingSearch {
     if (addPresent(world, a, b, found.manifolds, places)) visit(a, b, places);
   }
 
-  /// Returns the fraction of the tick after which the body touches another one, or a number above 1. Adds the
-  /// contacts of spheres.
-  btScalar touchTime(btCollisionObject& other) const {
-    btScalar time = 2;
+  /// Returns the touch of the body with another one. Adds the contacts of spheres, which have no other.
+  ComingTouch touchOf(btCollisionObject& other) const {
+    ComingTouch coming;
     withPair(other, [&](btCollisionObject& a, btCollisionObject& b, ContactPlaces&) {
-      if (isSphere(a) && isSphere(b)) return addSpheres(a, b, speeds, found);
-      const ComingTouch coming = comingTouch(approach(a, b));
-      if (coming.comes()) time = coming.touch.fraction;
+      if (isSphere(a) && isSphere(b))
+        addSpheres(a, b, speeds, found);
+      else
+        coming = comingTouch(approach(a, b));
     });
-    return time;
+    return coming;
   }
 
-  /// Adds the contacts with another body. Gaps are those of the present poses. They become supports.
-  void add(btCollisionObject& other) {
+  /// Adds the contacts at a touch with another body. Gaps are those of the present poses. They become
+  /// supports.
+  void add(btCollisionObject& other, const ComingTouch& coming) {
+    if (!coming.comes()) return;
     withPair(other, [&](btCollisionObject& a, btCollisionObject& b, ContactPlaces& places) {
-      const ComingTouch coming = comingTouch(approach(a, b));
-      if (!coming.comes()) return;
       const Touch& touch = coming.touch;
       std::size_t next = places.count;
       findPlaces(a, b, coming.way, touch, places);
@@ -578,22 +579,24 @@ void addComingContacts(btDiscreteDynamicsWorld& world, std::uint32_t number, dou
   findNear(world, body, way + reach, found.near);
   ComingSearch search = {world, index, speeds, found, body, presentSupports(index, body)};
   // what it touches first holds it from then on
+  ComingTouch earliest;
   std::size_t count = 0, first = 0;
-  btScalar firstTime = 2;
   for (btCollisionObject* other : found.near) {
     const auto* rigid = static_cast<const btRigidBody*>(other);
     const std::uint32_t theirs = isFree(*rigid) ? found.find(*rigid) : TickContacts::kNone;
     if (theirs != TickContacts::kNone && theirs <= number) continue;
     if (!arePaired(world, body, *other) || !body.checkCollideWith(other) || !other->checkCollideWith(&body))
       continue;
-    const btScalar time = search.touchTime(*other);
-    if (time > 1) continue;
-    if (time < firstTime) firstTime = time, first = count;
+    const ComingTouch coming = search.touchOf(*other);
+    if (!coming.comes()) continue;
+    if (!earliest.comes() || coming.touch.fraction < earliest.touch.fraction)
+      earliest = coming, first = count;
     found.near[count++] = other;
   }
-  if (count > 0) search.add(*found.near[first]);
+  if (count == 0) return;
+  search.add(*found.near[first], earliest);
   for (std::size_t i = 0; i < count; ++i)
-    if (i != first) search.add(*found.near[i]);
+    if (i != first) search.add(*found.near[i], search.touchOf(*found.near[i]));
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

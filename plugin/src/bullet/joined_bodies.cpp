@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 
-// This file joins soft bodies to each other and to the bones of characters.
+// This file joins soft bodies to rigid bodies, to each other and to the bones of characters.
 
+#include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
+#include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/system_impl.h"
 
@@ -11,13 +13,166 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
+
+// --- attachments -------------------------------------------------------------------------------------------
+
+namespace {
+
+auto findAnchor(std::vector<Anchor>& anchors, std::uint32_t point) {
+  return std::find_if(anchors.begin(), anchors.end(), [&](const Anchor& a) { return a.point == point; });
+}
+
+Error foreignBody() { return {"the soft body is not, or no longer, in this world"}; }
+
+}  // namespace
+
+Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, const Anchor& anchor) const {
+  if (!step->owns(softBody)) return foreignBody();
+  SoftBodyData& data = *softBody->data_;
+  if (!isAlive(data)) return notAlive();
+  const std::uint32_t i = anchor.point;
+  const btRigidBody& body = *anchor.body;
+  const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
+  if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
+  if (findAnchor(data.anchors, i) != data.anchors.end())
+    return Error{"point " + std::to_string(i) + " is already attached"};
+  if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
+  if (PointMass::from(&body) || SurfaceObject::from(&body))
+    return Error{
+        "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
+  if (isElsewhere(body, *world)) return Error{"the rigid body is in another world"};
+  if (!isValidPivot(anchor.pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
+  if (!(anchor.breakForce >= 0.0 && anchor.breakForce <= 1e18))
+    return Error{"breakForce must be from 0 to 1e18"};
+  return {};
+}
+
+namespace {
+
+Anchor anchorOf(std::uint32_t i, btRigidBody& body, const btVector3& pivot, double breakForce) {
+  Anchor anchor{i, &body, pivot};
+  anchor.breakForce = breakForce;
+  return anchor;
+}
+
+/// Returns whether a place is inside a convex shape, or one of a compound, by more than `depth` (m).
+bool isInside(const btCollisionShape& shape, const btTransform& pose, const Eigen::Vector3d& place,
+              double depth) {
+  if (shape.isCompound()) {
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    for (int i = 0; i < compound.getNumChildShapes(); ++i)
+      if (isInside(*compound.getChildShape(i), pose * compound.getChildTransform(i), place, depth))
+        return true;
+    return false;
+  }
+  if (!shape.isConvex()) return false;
+  if (const std::optional<HeldPiece> solid = solidOf(shape, pose))
+    return nearestOn(&*solid, &*solid + 1, place).height < -depth;
+  HeldPoint nearest;
+  return !findNearestOutside(static_cast<const btConvexShape&>(shape), pose, place, nearest);
+}
+
+/// Returns the points, sorted, that springs inside the body join to those of `points` that are inside, too: a
+/// rope that is attached to the middle of a ball begins there.
+std::shared_ptr<const std::vector<std::uint32_t>> pointsInside(const SoftBody& softBody,
+                                                               const std::vector<std::uint32_t>& points,
+                                                               const btRigidBody& body, double depth) {
+  const auto isIn = [&](std::uint32_t point) {
+    return isInside(*body.getCollisionShape(), body.getWorldTransform(), softBody.position(point), depth);
+  };
+  std::vector<std::uint32_t> inside;
+  std::vector<bool> isFound(softBody.pointCount(), false);
+  const auto take = [&](std::uint32_t point) {
+    isFound[point] = isIn(point);
+    if (isFound[point]) inside.push_back(point);
+    return isFound[point];
+  };
+  bool grows = false;
+  for (const std::uint32_t point : points) grows = take(point) || grows;
+  while (grows) {
+    grows = false;
+    for (const NetworkSpring& spring : softBody.network().springs)
+      if (isFound[spring.a] != isFound[spring.b])
+        grows = take(isFound[spring.a] ? spring.b : spring.a) || grows;
+  }
+  std::sort(inside.begin(), inside.end());
+  return std::make_shared<const std::vector<std::uint32_t>>(std::move(inside));
+}
+
+/// Where the point is now.
+btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body) {
+  return body.getWorldTransform().inverse() * toBullet(softBody.position(i));
+}
+
+}  // namespace
+
+Result<void> SoftBodySystem::Impl::attach(SoftBody* softBody, std::vector<Anchor> anchors) {
+  std::vector<std::uint32_t> points;
+  for (const Anchor& anchor : anchors) {
+    if (Result<void> valid = checkAttachment(softBody, anchor); !valid) return valid;
+    if (std::find(points.begin(), points.end(), anchor.point) != points.end())
+      return Error{"point " + std::to_string(anchor.point) + " is listed twice"};
+    points.push_back(anchor.point);
+  }
+  if (anchors.empty()) return {};
+  SoftBodyData& data = *softBody->data_;
+  const auto inside = pointsInside(*softBody, points, *anchors.front().body, radiusOf(data));
+  for (Anchor& anchor : anchors) {
+    anchor.inside = inside;
+    data.anchors.push_back(std::move(anchor));
+  }
+  softBody->wake();
+  step->groupsStale = true;
+  return {};
+}
+
+Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
+                                    const btVector3& pivot, double breakForce) {
+  return impl_->attach(softBody, {anchorOf(i, body, pivot, breakForce)});
+}
+
+Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
+                                    double breakForce) {
+  return attach(softBody, std::vector<std::uint32_t>{i}, body, breakForce);
+}
+
+Result<void> SoftBodySystem::attach(SoftBody* softBody, const std::vector<std::uint32_t>& points,
+                                    btRigidBody& body, double breakForce) {
+  if (!impl_->step->owns(softBody)) return foreignBody();
+  std::vector<Anchor> anchors;
+  for (const std::uint32_t i : points) {
+    if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
+    anchors.push_back(anchorOf(i, body, pivotAt(*softBody, i, body), breakForce));
+  }
+  return impl_->attach(softBody, std::move(anchors));
+}
+
+Result<void> SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
+  if (!impl_->step->owns(softBody)) return foreignBody();
+  if (!impl_->detach(softBody, i)) return Error{"point " + std::to_string(i) + " is not attached"};
+  return {};
+}
+
+bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
+  std::vector<Anchor>& anchors = softBody->data_->anchors;
+  const auto it = findAnchor(anchors, i);
+  if (it == anchors.end()) return false;
+  anchors.erase(it);
+  softBody->data_->surface.freed = true;
+  softBody->wake();
+  step->forgetGroups();
+  return true;
+}
 
 // --- welds -------------------------------------------------------------------------------------------------
 

@@ -101,12 +101,11 @@ bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar
 /// been released at its start.
 double calmTimeOf(btScalar tick) { return std::min(double(tick), 0.5 * double(gDeactivationTime)); }
 
-/// Returns the calm time (s) after a tick. A fast tick takes back several calm ones: points that slip now and
-/// then in a crushed pile keep no one awake, and what starts to move loses its calm time before it falls
-/// asleep.
+/// Returns the calm time (s) after a tick. A fast tick subtracts the length of several ticks. So a pile may
+/// sleep although a point slips now and then, and what begins to move does not fall asleep.
 double calmTimeAfter(btScalar tick, bool isFast, double calmTime) {
-  constexpr double kTakenBack = 6.0;
-  return isFast ? std::max(0.0, calmTime - kTakenBack * double(tick)) : calmTime + calmTimeOf(tick);
+  constexpr double kSubtracted = 6.0;
+  return isFast ? std::max(0.0, calmTime - kSubtracted * double(tick)) : calmTime + calmTimeOf(tick);
 }
 
 /// s, the calm time after which a group is quiet. It sleeps once nothing awake has touched or held it for the

@@ -51,7 +51,8 @@ struct Anchor {
   btVector3 pivot;                       ///< in the body's local coordinates
   double breakForce = 0.0;               ///< N; 0: never
   btVector3 force = btVector3(0, 0, 0);  ///< N on the point, mean of the last tick
-  std::vector<std::uint32_t> inside{};   ///< sorted, points around it that were inside the body, too
+  /// Sorted, the points around it, and it, that were inside the body when it was attached; may be null.
+  std::shared_ptr<const std::vector<std::uint32_t>> inside{};
 };
 
 /// The impulse of a contact in the last tick, for the warm start of the next one.
@@ -370,8 +371,9 @@ inline btVector3 gravityOf(const SoftBodyData& body) {
 /// Returns whether point i is attached to the object, or was inside it around a point that is.
 inline bool isAttached(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& object) {
   return std::any_of(body.anchors.begin(), body.anchors.end(), [&](const Anchor& anchor) {
-    return anchor.body == &object &&
-           (anchor.point == i || std::binary_search(anchor.inside.begin(), anchor.inside.end(), i));
+    if (anchor.body != &object) return false;
+    return anchor.point == i ||
+           (anchor.inside && std::binary_search(anchor.inside->begin(), anchor.inside->end(), i));
   });
 }
 

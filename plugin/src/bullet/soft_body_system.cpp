@@ -7,7 +7,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
-#include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_hook.h"
@@ -20,19 +19,17 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-namespace {
-
-/// m, maximum distance of a pivot from its body. A larger one would require far too many substeps.
-constexpr double kMaxPivotDistance = 1e6;
 
 bool isValidPivot(const btVector3& place) {
+  constexpr double kMaxPivotDistance = 1e6;  // m, a larger one would require far too many substeps
   const Eigen::Vector3d p = toEigen(place);
   return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxPivotDistance;
 }
+
+namespace {
 
 /// Returns the reason why a link of the systems with this step cannot be attached to a body; empty if it can.
 std::string whyNotHeld(const btRigidBody* body, const btCollisionWorld& world, const void* step) {
@@ -48,10 +45,6 @@ std::string whyNotHeld(const btRigidBody* body, const btCollisionWorld& world, c
 template <class Owner, class Object>
 auto find(Owner& owner, const Object* object) {
   return std::find_if(owner.begin(), owner.end(), [&](const auto& owned) { return owned.get() == object; });
-}
-
-auto findAnchor(std::vector<Anchor>& anchors, std::uint32_t point) {
-  return std::find_if(anchors.begin(), anchors.end(), [&](const Anchor& a) { return a.point == point; });
 }
 
 }  // namespace
@@ -336,144 +329,8 @@ void SoftBodySystem::Impl::WorldStep::forgetGroups() {
 
 std::size_t SoftBodySystem::springCount() const { return impl_->springs.size(); }
 
-namespace {
-
-Error foreignBody() { return {"the soft body is not, or no longer, in this world"}; }
-
-}  // namespace
-
-Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, const Anchor& anchor) const {
-  if (!step->owns(softBody)) return foreignBody();
-  SoftBodyData& data = *softBody->data_;
-  if (!isAlive(data)) return notAlive();
-  const std::uint32_t i = anchor.point;
-  const btRigidBody& body = *anchor.body;
-  const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
-  if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
-  if (findAnchor(data.anchors, i) != data.anchors.end())
-    return Error{"point " + std::to_string(i) + " is already attached"};
-  if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
-  if (PointMass::from(&body) || SurfaceObject::from(&body))
-    return Error{
-        "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
-  if (isElsewhere(body, *world)) return Error{"the rigid body is in another world"};
-  if (!isValidPivot(anchor.pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
-  if (!(anchor.breakForce >= 0.0 && anchor.breakForce <= 1e18))
-    return Error{"breakForce must be from 0 to 1e18"};
-  return {};
-}
-
-namespace {
-
-Anchor anchorOf(std::uint32_t i, btRigidBody& body, const btVector3& pivot, double breakForce) {
-  Anchor anchor{i, &body, pivot};
-  anchor.breakForce = breakForce;
-  return anchor;
-}
-
-/// Returns whether a place is inside a convex shape, or one of a compound, by more than `depth` (m).
-bool isInside(const btCollisionShape& shape, const btTransform& pose, const Eigen::Vector3d& place,
-              double depth) {
-  if (shape.isCompound()) {
-    const auto& compound = static_cast<const btCompoundShape&>(shape);
-    for (int i = 0; i < compound.getNumChildShapes(); ++i)
-      if (isInside(*compound.getChildShape(i), pose * compound.getChildTransform(i), place, depth))
-        return true;
-    return false;
-  }
-  if (!shape.isConvex()) return false;
-  if (const std::optional<HeldPiece> solid = solidOf(shape, pose))
-    return nearestOn(&*solid, &*solid + 1, place).height < -depth;
-  HeldPoint nearest;
-  return !findNearestOutside(static_cast<const btConvexShape&>(shape), pose, place, nearest);
-}
-
-/// Returns the points, sorted, that springs inside the body join to point i: a rope that is attached to the
-/// middle of a ball begins there.
-std::vector<std::uint32_t> pointsInside(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body,
-                                        double depth) {
-  const auto isIn = [&](std::uint32_t point) {
-    return isInside(*body.getCollisionShape(), body.getWorldTransform(), softBody.position(point), depth);
-  };
-  std::vector<std::uint32_t> inside;
-  if (!isIn(i)) return inside;
-  std::vector<bool> isFound(softBody.pointCount(), false);
-  isFound[i] = true;
-  for (bool grows = true; grows;) {
-    grows = false;
-    for (const NetworkSpring& spring : softBody.network().springs) {
-      if (isFound[spring.a] == isFound[spring.b]) continue;
-      const std::uint32_t next = isFound[spring.a] ? spring.b : spring.a;
-      if (!isIn(next)) continue;
-      isFound[next] = grows = true;
-      inside.push_back(next);
-    }
-  }
-  std::sort(inside.begin(), inside.end());
-  return inside;
-}
-
-/// Where the point is now.
-btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body) {
-  return body.getWorldTransform().inverse() * toBullet(softBody.position(i));
-}
-
-}  // namespace
-
-Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
-                                    const btVector3& pivot, double breakForce) {
-  Anchor anchor = anchorOf(i, body, pivot, breakForce);
-  if (Result<void> valid = impl_->checkAttachment(softBody, anchor); !valid) return valid;
-  anchor.inside = pointsInside(*softBody, i, body, radiusOf(*softBody->data_));
-  softBody->data_->anchors.push_back(std::move(anchor));
-  softBody->wake();
-  impl_->step->groupsStale = true;
-  return {};
-}
-
-Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
-                                    double breakForce) {
-  if (!impl_->step->owns(softBody)) return foreignBody();
-  if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
-  return attach(softBody, i, body, pivotAt(*softBody, i, body), breakForce);
-}
-
-Result<void> SoftBodySystem::attach(SoftBody* softBody, const std::vector<std::uint32_t>& points,
-                                    btRigidBody& body, double breakForce) {
-  if (!impl_->step->owns(softBody)) return foreignBody();
-  for (std::size_t n = 0; n < points.size(); ++n) {
-    const std::uint32_t i = points[n];
-    if (std::find(points.begin(), points.begin() + std::ptrdiff_t(n), i) !=
-        points.begin() + std::ptrdiff_t(n))
-      return Error{"point " + std::to_string(i) + " is listed twice"};
-    const bool exists = i < softBody->pointCount();
-    const btVector3 pivot = exists ? pivotAt(*softBody, i, body) : btVector3(0, 0, 0);
-    if (Result<void> valid = impl_->checkAttachment(softBody, anchorOf(i, body, pivot, breakForce)); !valid)
-      return valid;
-  }
-  for (const std::uint32_t i : points) static_cast<void>(attach(softBody, i, body, breakForce));
-  return {};
-}
-
-Result<void> SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
-  if (!impl_->step->owns(softBody)) return foreignBody();
-  if (!impl_->detach(softBody, i)) return Error{"point " + std::to_string(i) + " is not attached"};
-  return {};
-}
-
 bool SoftBodySystem::Impl::WorldStep::owns(const SoftBody* body) const {
   return std::any_of(systems.begin(), systems.end(), [&](const Impl* system) { return system->owns(body); });
-}
-
-bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
-  std::vector<Anchor>& anchors = softBody->data_->anchors;
-  const auto it = findAnchor(anchors, i);
-  if (it == anchors.end()) return false;
-  anchors.erase(it);
-  softBody->data_->surface.freed = true;
-  softBody->wake();
-  step->forgetGroups();
-  return true;
 }
 
 void SoftBodySystem::forget(const btRigidBody& body) {

@@ -29,6 +29,9 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// Default output of SoftBodySystem's warnings.
 void warnOnStandardError(const std::string& text);
 
+/// Returns whether a place in a body's coordinates may be the end of a spring or anchor.
+bool isValidPivot(const btVector3& place);
+
 /// The implementation of SoftBodySystem. The user's functions are in soft_body_system.cpp, the tick is in
 /// tick.cpp.
 struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
@@ -46,6 +49,8 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
   void unhookIfIdle(bool alive);
   /// The errors of attach().
   Result<void> checkAttachment(const SoftBody* softBody, const Anchor& anchor) const;
+  /// Adds anchors to one rigid body, or none of them.
+  Result<void> attach(SoftBody* softBody, std::vector<Anchor> anchors);
   bool detach(SoftBody* softBody, std::uint32_t i);
   void forget(const btRigidBody& body);
   void dropSprings(const btRigidBody& body);
