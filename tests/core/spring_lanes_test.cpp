@@ -82,6 +82,8 @@ LaneBody makeModel(const SharedNetwork& network, double damping) {
   settings.damping = damping;
   settings.pressure = network->surface.empty() ? 0.0 : 10.0;
   settings.ambientPressure = network->surface.empty() ? 0.0 : 30.0;
+  if (!network->tetrahedra.empty())
+    settings.volumeModulus = 1e6;  // its force is scaled down to the stable one
   LaneBody body;
   body.springs = makeSprings(*network, settings);
   body.volumes = makeVolumes(*network, settings);
@@ -102,6 +104,7 @@ void fill(LaneBody& body, const SharedNetwork& network, int index) {
     body.state.acceleration.col(i) = Eigen::Vector3d(0.0, -9.81, 0.0);
     body.state.inverseMass.col(i).setConstant(i == 4 ? 0.0 : 8.0);
   }
+  if (!body.tetrahedra.empty()) tetrahedronFrequencyBoundSquared(body.tetrahedra, body.state);
   if (index == 5) body.state.position.col(1) = body.state.position.col(0);  // coincident ends
   for (std::uint32_t i = 0; i < 8 && index % 2 == 1; i += 3) {
     PlaneContact row;

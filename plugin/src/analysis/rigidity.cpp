@@ -134,7 +134,7 @@ SmallDeformations smallDeformations(const SpringNetwork& network) {
   result.softest = end.softest;
   result.rank = static_cast<std::size_t>(unknowns - end.below);
   result.mechanisms = static_cast<std::size_t>(std::max<Eigen::Index>(end.below - rigid, 0));
-  result.selfStresses = network.springs.size() - result.rank;
+  result.selfStresses = network.springs.size() - std::min(result.rank, network.springs.size());
   return result;
 }
 

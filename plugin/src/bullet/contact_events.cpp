@@ -6,6 +6,7 @@
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
 #include "bullet/surface_body.h"
+#include "bullet/tick_hook.h"
 
 #include <algorithm>
 #include <new>
@@ -119,26 +120,24 @@ void ContactEvents::collectEnds(SoftBodyData& body, const SoftBody* other) {
 }
 
 void ContactEvents::callBreak(SpringConstraint& spring) {
-  calling_ = true;
+  const During called(calls_);
   if (listener_) listener_->springBreaks(spring);
-  calling_ = false;
 }
 
 void ContactEvents::callBreaks(SoftBody& body) {
   SoftBodyData& data = dataOf(body);
   if (data.tears.empty() && data.brokenAnchors.empty()) return;
-  calling_ = true;
+  const During called(calls_);
   // a callback may change the lists
   const std::vector<BrokenAnchor> anchors = data.brokenAnchors;
   const std::vector<Tear> tears = data.tears;
   for (const BrokenAnchor& anchor : anchors)
     if (listener_) listener_->anchorBreaks(anchor);
   if (listener_ && !tears.empty()) listener_->bodyTears(body, tears);
-  calling_ = false;
 }
 
 void ContactEvents::call(const btCollisionWorld* world) {
-  calling_ = true;
+  const During called(calls_);
   // by index, because a callback may set another listener, which clears the list
   for (std::size_t i = 0; i < events_.size(); ++i) {
     ContactEvent& event = events_[i];
@@ -152,7 +151,6 @@ void ContactEvents::call(const btCollisionWorld* world) {
     if (listener_) (listener_->*event.call)(event.pair);
   }
   events_.clear();
-  calling_ = false;
 }
 
 // --- manifolds ---------------------------------------------------------------------------------------------

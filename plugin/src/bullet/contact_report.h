@@ -57,7 +57,7 @@ class ContactEvents {
   void setListener(ContactListener* listener, const std::vector<std::unique_ptr<SoftBody>>& bodies);
   bool listening() const { return listener_ != nullptr; }
   /// Returns whether the listener is being called. Bodies must not be destroyed then.
-  bool calling() const { return calling_; }
+  bool calling() const { return calls_ > 0; }
 
   /// Adds the calls for a body's contacts, after reportContacts().
   void collect(SoftBodyData& body);
@@ -78,7 +78,7 @@ class ContactEvents {
   void endPairs(SoftBodyData& body, Ends ends);
 
   ContactListener* listener_ = nullptr;
-  bool calling_ = false;
+  int calls_ = 0;  // of the listener, in progress
   std::vector<ContactEvent> events_;
   // Scratch of one body: its present pairs, sorted by id.
   std::vector<TouchingPair> now_;

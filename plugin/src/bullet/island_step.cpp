@@ -112,9 +112,9 @@ double workOfSurroundings(const Island& island) {
   for (const SolverBody& body : island.step.bodies) work += body.drag ? body.drag->work : 0.0;
   for (const SoftBodyData* body : island.softBodies) {
     const PointState& s = body->state;
-    const Points displacement = s.position - body->masses.startPosition;
-    for (Eigen::Index i = 0; i < displacement.cols(); ++i)
-      work += weighted(s.acceleration.col(i), displacement.col(i), s.inverseMass.col(i));
+    for (Eigen::Index i = 0; i < s.position.cols(); ++i)
+      work += weighted(s.acceleration.col(i), s.position.col(i) - body->masses.startPosition.col(i),
+                       s.inverseMass.col(i));
   }
   for (std::size_t i = 0; i < island.start.size(); ++i) {
     const RigidState &start = island.start[i], &end = island.step.links.rigids[i];

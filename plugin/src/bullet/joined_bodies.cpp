@@ -88,7 +88,8 @@ std::shared_ptr<const std::vector<std::uint32_t>> pointsInside(const SoftBody& s
                                                                const std::vector<std::uint32_t>& points,
                                                                const btRigidBody& body, double depth) {
   const auto isIn = [&](std::uint32_t point) {
-    return isInside(*body.getCollisionShape(), body.getWorldTransform(), softBody.position(point), depth);
+    return body.getCollisionShape() &&
+           isInside(*body.getCollisionShape(), body.getWorldTransform(), softBody.position(point), depth);
   };
   std::vector<std::uint32_t> inside;
   std::vector<bool> isFound(softBody.pointCount(), false);

@@ -139,11 +139,11 @@ bool nothingIsNear(SoftBodyData& body, double tick) {
 
 /// The order of the broadphase's tree depends on earlier ticks.
 template <class Object>
-void sortById(std::vector<Object*>& objects) {
+void sortById(std::vector<Object*>& objects, std::size_t first = 0) {
   const auto idOf = [](const btCollisionObject* object) {
     return objectInWorld(*object).getBroadphaseHandle()->m_uniqueId;
   };
-  std::sort(objects.begin(), objects.end(),
+  std::sort(objects.begin() + static_cast<std::ptrdiff_t>(first), objects.end(),
             [&](const Object* a, const Object* b) { return idOf(a) < idOf(b); });
 }
 
@@ -188,12 +188,20 @@ struct StaticPartnersInBox final : btBroadphaseAabbCallback {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
     if (isSoft(object) || !isStaticOrKinematic(*object) || !canHit(*body, *proxy)) return true;
     any = true;
-    if (std::find(body->partners.begin(), body->partners.end(), object) != body->partners.end()) return true;
-    body->partners.push_back(object);
-    storePartner(*body, *object);
+    addOnce(body->partners, object);
     return true;
   }
 };
+
+/// Returns whether a body has static or kinematic partners in a box, and adds the new ones.
+bool addStaticPartners(SoftBodyData& body, const btVector3& low, const btVector3& high) {
+  const std::size_t known = body.partners.size();
+  StaticPartnersInBox held(body);
+  body.world->getBroadphase()->aabbTest(low, high, held);
+  sortById(body.partners, known);
+  for (std::size_t p = known; p < body.partners.size(); ++p) storePartner(body, *body.partners[p]);
+  return held.any;
+}
 
 /// Finds contacts of points that are about to leave their search region, from their present positions. These
 /// contacts are separate from the body's until the tick ends, because contacts between bodies point to those.
@@ -253,8 +261,7 @@ class Watch final : public SearchWatch {
     const double remaining = double(tick_) - time;
     body_->state.position.col(i) = x;
     const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, remaining);
-    StaticPartnersInBox held(*body_);
-    body_->world->getBroadphase()->aabbTest(toBullet(searchRegion.low), toBullet(searchRegion.high), held);
+    addStaticPartners(*body_, toBullet(searchRegion.low), toBullet(searchRegion.high));
     found_.clear();
     foundPartners_.clear();
     swapRows(found_, foundPartners_);
@@ -377,14 +384,16 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
                                     [](const btCollisionObject* partner) { return isMoved(*partner); });
   body.localSpins.areKnown = anyMoves && std::any_of(body.partners.begin(), body.partners.end(), turns);
   if (body.localSpins.areKnown) findLocalSpins(body);
-  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
+  // Bullet may free a manifold at any time after this function
+  const auto forgetManifold = [&](std::uint32_t i) {
+    if (!surface) body.masses.bodies[i]->cachedContact = nullptr;
+  };
+  for (std::uint32_t i = 0; i < pointCount(body); forgetManifold(i++)) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionAround(body, i, body.searchDistance[i]), tick);
     for (std::size_t p = 0; anyMoves && p < body.partners.size(); ++p)
       addRows(body, i, *body.partners[p], body.heldPartners[p].stamp, body.state.velocity.col(i),
               double(tick), tick);
-    // Bullet may free a manifold at any time after this
-    if (!surface) body.masses.bodies[i]->cachedContact = nullptr;
   }
 }
 
@@ -401,11 +410,9 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
   }
   if (box.isEmpty()) return false;
   const double margin = double(body.masses.shape->getRadius());
-  StaticPartnersInBox held(body);
-  body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min().array() - margin)),
-                                        toBullet(Eigen::Vector3d(box.max().array() + margin)), held);
-  body.watch->on = held.any;
-  return held.any;
+  body.watch->on = addStaticPartners(body, toBullet(Eigen::Vector3d(box.min().array() - margin)),
+                                     toBullet(Eigen::Vector3d(box.max().array() + margin)));
+  return body.watch->on;
 }
 
 void addContactWatch(SoftBodyData& body) { body.watch = std::make_unique<Watch>(body); }

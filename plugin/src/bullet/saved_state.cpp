@@ -37,7 +37,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 8, 8};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 9, 9};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -164,12 +164,11 @@ struct BodyState {
   Eigen::Vector3d jointLinear = Eigen::Vector3d::Zero(), jointAngular = Eigen::Vector3d::Zero();
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
   std::vector<double> otherForces;                     ///< 3, N/kg, BodyMedium::others, or empty
-  std::vector<std::uint64_t> touched, key;     ///< #impulses: index in the world of the partner, features
-  std::vector<double> impulse;                 ///< 4 x #impulses, N s
-  std::vector<std::uint64_t> other;            ///< #contacts(), index in the world of the other object
-  std::vector<std::uint32_t> sides;            ///< 8 x #contacts(), two sides' triangle and points
-  std::vector<double> contact;                 ///< 20 x #contacts(), see numbersOf()
-  std::uint64_t planeCount = 0, ownCount = 0;  ///< see ContactReport
+  std::vector<std::uint64_t> touched, key;  ///< #impulses: index in the world of the partner, features
+  std::vector<double> impulse;              ///< 4 x #impulses, N s
+  std::vector<std::uint64_t> other;         ///< #contacts(), index in the world of the other object
+  std::vector<std::uint32_t> sides;         ///< 8 x #contacts(), two sides' triangle and points
+  std::vector<double> contact;              ///< 20 x #contacts(), see numbersOf()
 };
 
 template <class Stream, class Rates>
@@ -221,8 +220,6 @@ void transferState(Stream& stream, State& s) {
   stream.array("objects in contact", s.other);
   stream.array("sides of contacts", s.sides);
   stream.array("contacts", s.contact);
-  stream.value("contacts", s.planeCount);
-  stream.value("contacts", s.ownCount);
 }
 
 /// Returns a hash of the points and springs of a network.
@@ -338,8 +335,6 @@ void saveContacts(SoftBodyData& body, BodyState& s) {
       s.sides.insert(s.sides.end(), side->points.begin(), side->points.end());
     }
     forEachNumber(c, [&](double number) { s.contact.push_back(number); });
-    s.planeCount += i < body.report.planeCount ? 1 : 0;
-    s.ownCount += i < body.report.ownCount ? 1 : 0;
   }
 }
 
@@ -485,8 +480,6 @@ void restoreContacts(SoftBodyData& body, const BodyState& s) {
     if (!hasValidSides(body, c)) continue;
     report.contacts.push_back(c);
     report.partners.push_back(handleOf(*c.other));
-    report.planeCount += i < s.planeCount ? 1 : 0;
-    report.ownCount += i < s.ownCount ? 1 : 0;
   }
 }
 

@@ -57,8 +57,10 @@ void warnOnStandardError(const std::string& text) { std::fprintf(stderr, "limber
 
 void SoftBodySystem::Impl::hookUp() {
   if (hook) return;
+  const bool isFirst = std::none_of(step->systems.begin(), step->systems.end(),
+                                    [](const Impl* system) { return system->hook != nullptr; });
   hook = &TickHook::listen(*world, *this, hookKind == Hook::PreTick);
-  step->kinematic.start(*world);
+  if (isFirst) step->kinematic.start(*world);
 }
 
 /// Removes the hook of a system without bodies and springs, if the world is known to exist. Otherwise the
@@ -113,13 +115,9 @@ SoftBodySystem::~SoftBodySystem() {
 void SoftBodySystem::removeAll() {
   impl_->step->forgetGroups();
   impl_->springs.clear();
-  if (impl_->step->callsListeners()) {
-    for (auto& body : impl_->bodies) impl_->pendingDestruction.push_back(body.get());
-    return;
-  }
-  const bool alive = impl_->worldAlive();
-  while (!impl_->bodies.empty()) impl_->destroyNow(impl_->bodies.back().get());
-  impl_->unhookIfIdle(alive);
+  for (std::size_t i = impl_->bodies.size(); i-- > 0;)
+    impl_->step->pendingDestruction.push_back(impl_->bodies[i].get());
+  impl_->destroyPending();
 }
 
 HookState SoftBodySystem::hookState() const {
@@ -129,8 +127,8 @@ HookState SoftBodySystem::hookState() const {
 }
 
 void SoftBodySystem::rehook() {
+  if (hookState() == HookState::Overwritten) impl_->step->kinematic.start(*impl_->world);
   impl_->overwritten = false;
-  impl_->step->kinematic.start(*impl_->world);
   if (impl_->hook && impl_->hookKind == Hook::PreTick) impl_->hook->takeSlot();
 }
 
@@ -163,18 +161,25 @@ Result<SoftBody*> SoftBodySystem::createBody(const SharedNetwork& network, const
 
 Result<void> SoftBodySystem::destroyBody(SoftBody* body) {
   if (!impl_->owns(body)) return Error{"the soft body is not, or no longer, one of this system"};
-  impl_->pendingDestruction.push_back(body);
-  if (impl_->step->callsListeners()) return {};
-  const bool alive = impl_->worldAlive();
+  impl_->step->pendingDestruction.push_back(body);
   impl_->destroyPending();
-  impl_->unhookIfIdle(alive);
   return {};
 }
 
 bool SoftBodySystem::Impl::owns(const SoftBody* body) const { return find(bodies, body) != bodies.end(); }
 
+/// Not within a listener's call: it may hold pointers to the bodies.
 void SoftBodySystem::Impl::destroyPending() {
-  for (std::size_t i = 0; i < pendingDestruction.size(); ++i) destroyNow(pendingDestruction[i]);
+  if (step->callsListeners()) return;
+  const bool alive = worldAlive();
+  step->destroyPending();
+  unhookIfIdle(alive);
+}
+
+/// The callbacks of contacts that end may ask for more bodies, of any system, to be destroyed.
+void SoftBodySystem::Impl::WorldStep::destroyPending() {
+  for (std::size_t i = 0; i < pendingDestruction.size(); ++i)
+    for (Impl* system : systems) system->destroyNow(pendingDestruction[i]);
   pendingDestruction.clear();
 }
 
@@ -340,10 +345,11 @@ void SoftBodySystem::forget(const btRigidBody& body) {
 
 void SoftBodySystem::Impl::forget(const btRigidBody& body) {
   dropSprings(body);
-  for (auto& softBody : bodies)
-    for (std::size_t i = softBody->data_->anchors.size(); i-- > 0;)
-      if (softBody->data_->anchors[i].body == &body)
-        detach(softBody.get(), softBody->data_->anchors[i].point);
+  for (Impl* system : step->systems)
+    for (auto& softBody : system->bodies)
+      for (std::size_t i = softBody->data_->anchors.size(); i-- > 0;)
+        if (softBody->data_->anchors[i].body == &body)
+          system->detach(softBody.get(), softBody->data_->anchors[i].point);
 }
 
 // --- contacts ----------------------------------------------------------------------------------------------
@@ -357,8 +363,7 @@ void SoftBodySystem::Impl::notifyListener() {
     if (spring && find(springs, spring.get()) != springs.end()) events.callBreak(*spring);
   for (std::size_t i = 0; i < bodies.size(); ++i) events.callBreaks(*bodies[i]);
   events.call(world);
-  // keeps the hook, which is calling this function
-  for (Impl* system : step->systems) system->destroyPending();
+  step->destroyPending();  // keeps the hook, which is calling this function
 }
 
 void SoftBodySystem::Impl::hideManifolds() {

@@ -345,7 +345,7 @@ void findJoints(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorl
     if (!joint.isEnabled()) continue;
     for (btRigidBody* end : {&joint.getRigidBodyA(), &joint.getRigidBodyB()}) {
       SurfaceObject* object = SurfaceObject::from(end);
-      if (!object || !object->owner()) continue;
+      if (!object || !object->owner() || object->owner()->asleep) continue;
       std::uint64_t& set = object->owner()->surface.joints.set;
       set = kPrime * set + reinterpret_cast<std::uintptr_t>(&joint);
     }
@@ -398,7 +398,11 @@ bool stopAtWall(SoftBodyData& body, std::uint32_t i, const Vector3d& before) {
   const double radius = radiusOf(body);
   const Vector3d direction = Vector3d(x - before).stableNormalized();
   FirstWall wall(body, i, before, x + radius * direction);
-  body.world->rayTest(wall.m_rayFromWorld, wall.m_rayToWorld, wall);
+  {
+    // the broadphase has one stack for all rays
+    const std::lock_guard<std::mutex> lock(*body.worldLock);
+    body.world->rayTest(wall.m_rayFromWorld, wall.m_rayToWorld, wall);
+  }
   const Vector3d normal = toEigen(wall.m_hitNormalWorld), place = toEigen(wall.m_hitPointWorld);
   if (!wall.hasHit() || !(normal.dot(direction) < 0.0)) return false;
   const double gap = normal.dot(x - place), allowed = std::min(radius, normal.dot(before - place));

@@ -88,7 +88,6 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl final : TickListener {
   Surroundings surroundings;
   bool showsManifolds = false;
   std::vector<const SoftContact*> strongest;  // scratch of reportManifold
-  std::vector<SoftBody*> pendingDestruction;  // destroyed after the listener's call
 };
 
 /// The step of all systems of one world. Their bodies touch each other, and Bullet's contacts are read and
@@ -122,6 +121,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   void divideBodies();
   /// Restores the manifolds, motors and springs that were hidden from Bullet's solver in a tick.
   void restoreBulletState();
+  void destroyPending();
 
   btDiscreteDynamicsWorld* world = nullptr;
   std::vector<Impl*> systems;     // in the order of their creation
@@ -145,6 +145,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   std::vector<std::uint32_t> newIndex;                  // scratch of filterPairs()
   std::vector<SoftBodyData*> living;                    // the bodies in the groups
   std::vector<SoftBodyData*> moving;                    // those of the awake groups
+  std::vector<SoftBody*> pendingDestruction;            // of all systems, destroyed after the listener's call
   std::vector<SpringConstraint*> springs;               // of all systems
   std::vector<Handle<SpringConstraint>> brokenSprings;  // in the last tick
   std::vector<unsigned char> usableLinks;               // see updateUsableLinks()

@@ -138,7 +138,7 @@ struct StoredManifoldPoint {
 /// tick to tick. Sometimes all four are on one side, and the upper box tips over for a tick. Earlier points
 /// that are still valid prevent this.
 struct RigidManifolds {
-  std::vector<int> begin;                        ///< #objects + 1, into `manifolds`
+  std::vector<int> begin;                        ///< #objects + 2, into `manifolds`
   std::vector<btPersistentManifold*> manifolds;  ///< each twice
   std::vector<StoredManifoldPoint> last, now;  ///< points of the two last ticks; `last` is sorted by manifold
 };

@@ -38,18 +38,6 @@ TickHook* findHook(HookList& list, btDynamicsWorld* world) {
   return nullptr;
 }
 
-/// Adds 1 during its lifetime, also if a user's callback throws.
-class During {
- public:
-  explicit During(int& count) : count_(count) { ++count_; }
-  ~During() { --count_; }
-  During(const During&) = delete;
-  During& operator=(const During&) = delete;
-
- private:
-  int& count_;
-};
-
 }  // namespace
 
 TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool pretick) {

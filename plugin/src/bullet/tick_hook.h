@@ -15,6 +15,18 @@
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
+/// Adds 1 during its lifetime, also if a user's callback throws.
+class During {
+ public:
+  explicit During(int& count) : count_(count) { ++count_; }
+  ~During() { --count_; }
+  During(const During&) = delete;
+  During& operator=(const During&) = delete;
+
+ private:
+  int& count_;
+};
+
 // --- ticks -------------------------------------------------------------------------------------------------
 
 /// A listener for a world's ticks.

@@ -197,14 +197,17 @@ void thicken(const Soup& soup, double thickness, const Grid& grid, std::vector<d
 void transformRow(std::vector<double>& f, std::vector<double>& out, std::vector<int>& hull,
                   std::vector<double>& border) {
   const int n = static_cast<int>(f.size());
-  const auto at = [&](int i) { return f[static_cast<std::size_t>(i)]; };
+  // no int: the square of 46341 is too large
+  const auto lifted = [&](double distance, int v) {
+    return f[static_cast<std::size_t>(v)] + distance * distance;
+  };
   hull.assign(f.size(), 0);
   border.assign(f.size() + 1, 0.0);
   std::size_t k = 0;
   border[0] = -HUGE_VAL;
   border[1] = HUGE_VAL;
   for (int q = 1; q < n; ++q) {
-    const auto meeting = [&](int v) { return ((at(q) + q * q) - (at(v) + v * v)) / (2.0 * (q - v)); };
+    const auto meeting = [&](int v) { return (lifted(q, q) - lifted(v, v)) / (2.0 * (q - v)); };
     while (meeting(hull[k]) <= border[k]) --k;
     const double from = meeting(hull[k]);
     hull[++k] = q;
@@ -214,7 +217,7 @@ void transformRow(std::vector<double>& f, std::vector<double>& out, std::vector<
   k = 0;
   for (int q = 0; q < n; ++q) {
     while (border[k + 1] < q) ++k;
-    out[static_cast<std::size_t>(q)] = (q - hull[k]) * (q - hull[k]) + at(hull[k]);
+    out[static_cast<std::size_t>(q)] = lifted(q - hull[k], hull[k]);
   }
 }
 

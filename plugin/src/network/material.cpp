@@ -213,8 +213,9 @@ Result<FormMaterial> ofRopeOrSheet(const SpringNetwork& network, double lengthSc
     return FormMaterial{lengthScale * 3.0 * volume / stiffnessMoment(network), volume};
   }
   double length = 0.0;
-  for (std::size_t i = 1; i < network.restPoints.size(); ++i)
-    length += (network.restPoints[i] - network.restPoints[i - 1]).norm();
+  for (const NetworkSpring& s : network.springs)
+    if (s.kind == SpringKind::Structural)
+      length += (network.restPoints[s.b] - network.restPoints[s.a]).norm();
   const double volume = 0.25 * kPi * network.thickness * network.thickness * length;
   return FormMaterial{lengthScale * volume / stiffnessMoment(network), volume};
 }

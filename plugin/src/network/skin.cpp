@@ -56,11 +56,13 @@ std::vector<Link> nearestPoints(const std::vector<Vector3d>& points, std::uint32
 /// Returns the edges of triangles and tetrahedra.
 Links elementLinks(const SpringNetwork& network) {
   Links links = edgeLinks(network.restPoints, network.surface);
-  for (const Tetrahedron& t : network.tetrahedra) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = i + 1; j < 4; ++j) connect(links, network.restPoints, t[i], t[j]);
-    }
-  }
+  const auto isLinked = [&](std::uint32_t a, std::uint32_t b) {
+    return std::any_of(links[a].begin(), links[a].end(), [&](const Link& link) { return link.to == b; });
+  };
+  for (const Tetrahedron& t : network.tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j)
+        if (!isLinked(t[i], t[j])) connect(links, network.restPoints, t[i], t[j]);
   return links;
 }
 

@@ -113,7 +113,8 @@ std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vecto
   if (best != kNoTriangle) return best;
   steepest = 0.0;
   for (std::uint32_t point = 0; point < points.size(); ++point) keepSteeper(point);
-  return best;
+  // a triangle without area has none: its weights are not finite, which is an error
+  return best != kNoTriangle ? best : t[0];
 }
 
 }  // namespace

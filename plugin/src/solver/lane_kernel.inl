@@ -32,7 +32,7 @@ void LIMBER_PACK_STEP(const LaneBody& b, double tick, int substeps) {
                   v.componentOf, v.restVolume,      v.modulus,       v.gasPressure,
                   v.ambient,     packs(v.gradient), packs(v.sums),   v.timeStep};
   const TetrahedronBody& t = b.tetrahedra;
-  body.tetrahedra = {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
+  body.tetrahedra = {t.count, t.corners, t.inverseRest, packs(t.stabilityScale), t.modulus, t.crushModulus};
   body.planes = {b.planes, b.planePoints, reinterpret_cast<Plane<Pack>*>(b.planeNumbers)};
   if (b.regionDistance) body.regions = {b.points, packs(b.regionCenter), packs(b.regionDistance)};
   body.sweepCount = b.sweeps;

@@ -48,8 +48,8 @@ struct VolumeBody {
   double timeStep = 0.0;
 };
 
-/// kernel::Tetrahedra for both kinds of bodies below. In a SpringBatchBody the tetrahedra are padded to a
-/// multiple of four.
+/// kernel::Tetrahedra for both kinds of bodies below. stabilityScale is packs in a LaneBody. In a
+/// SpringBatchBody the tetrahedra are padded to a multiple of four.
 struct TetrahedronBody {
   unsigned count = 0;
   const unsigned* corners = nullptr;

@@ -167,6 +167,7 @@ void prepare(MidpointSolver& solver, const ElasticParts& parts, const Points& in
   solver.dampingWeights.resize(springs.size());
   for (std::size_t s = 0; s < springs.size(); ++s)
     solver.dampingWeights[s] = dampingWeight(springs, solver.inverseMass, s, h);
+  solver.shared.reset();
   if (shared)
     solver.shared = factors.get(midpointMatrix(parts, inverseMass, h));
   else

@@ -91,10 +91,14 @@ void reserve(const Lanes& lanes) {
   reserveNumbers(s.direction, 3 * first.springs->size() * lanes.count);
   if ((*first.springs)->kinked) reserveNumbers(s.stretch, first.springs->size() * lanes.count);
   if (first.volumes) reserveNumbers(s.sums, first.volumes->sums.size() * lanes.count);
+  if (first.tetrahedra)
+    reserveNumbers(s.stabilityScale, first.tetrahedra->stabilityScale.size() * lanes.count);
   reserveNumbers(s.motion, sizeof(MotionSums) / sizeof(double) * lanes.count);
 }
 
-void toLane(const Points& from, AlignedNumbers& to, std::size_t lane, std::size_t lanes) {
+/// `from`: Points or a vector of numbers.
+template <class Numbers>
+void toLane(const Numbers& from, AlignedNumbers& to, std::size_t lane, std::size_t lanes) {
   double* target = numbers(to) + lane;
   const double* source = from.data();
   for (std::size_t i = 0, count = static_cast<std::size_t>(from.size()); i < count; ++i)
@@ -111,11 +115,13 @@ void fromLane(const AlignedNumbers& from, std::size_t lane, std::size_t lanes, s
 void load(const Lanes& lanes) {
   LaneScratch& s = lanes.scratch;
   for (std::size_t lane = 0; lane < lanes.count; ++lane) {
-    const PointState& state = *lanes.bodies[lane < lanes.used ? lane : 0]->points;
+    const SolverBody& body = *lanes.bodies[lane < lanes.used ? lane : 0];
+    const PointState& state = *body.points;
     toLane(state.position, s.position, lane, lanes.count);
     toLane(state.velocity, s.velocity, lane, lanes.count);
     toLane(state.acceleration, s.acceleration, lane, lanes.count);
     toLane(state.inverseMass, s.inverseMass, lane, lanes.count);
+    if (body.tetrahedra) toLane(body.tetrahedra->stabilityScale, s.stabilityScale, lane, lanes.count);
   }
   const auto count = 3 * lanes.first().points->position.cols() * static_cast<Eigen::Index>(lanes.count);
   if (lanes.first().sums) std::copy_n(numbers(s.position), count, numbers(s.start));
@@ -260,7 +266,10 @@ kernel::LaneBody laneBody(const Lanes& lanes, const kernel::ContactCalls& contac
   body.sweeps = springs.sweeps;
   body.dampHalf = springs.dampHalf.data(), body.dampFull = springs.dampFull.data();
   body.volumes = laneVolumes(lanes);
-  if (first.tetrahedra) body.tetrahedra = tetrahedronBody(*first.tetrahedra);
+  if (first.tetrahedra) {
+    body.tetrahedra = tetrahedronBody(*first.tetrahedra);
+    body.tetrahedra.stabilityScale = numbers(s.stabilityScale);
+  }
   body.planes = static_cast<unsigned>(s.planePoints.size()), body.planePoints = s.planePoints.data();
   if (body.planes > 0) body.planeNumbers = numbers(s.planes);
   body.contacts = &contacts;
@@ -330,7 +339,7 @@ void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratc
   const double dt = tick / substeps;
   const Lanes lanes{bodies, count, static_cast<std::size_t>(laneCount(set)), dt, scratch};
   prepareSprings(*lanes.first().springs, lanes.first().points->inverseMass, dt);
-  prepareVolumes(lanes.first(), dt);
+  for (std::size_t lane = 0; lane < count; ++lane) prepareVolumes(*bodies[lane], dt);
   reserve(lanes);
   load(lanes);
   const LaneNeeds needs = prepareContacts(lanes);

@@ -36,6 +36,7 @@ struct LaneScratch {
   AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce, start;  // 3 x #points
   AlignedNumbers direction, stretch;            // 3 x #springs, #springs
   AlignedNumbers gradient, sums;                // 3 x #points, 4 x #components
+  AlignedNumbers stabilityScale;                // #tetrahedra
   AlignedNumbers motion;                        // a MotionSums
   AlignedNumbers regionCenter, regionDistance;  // 3 x #points, #points
   AlignedNumbers planes;                        // #planes x a Plane

@@ -487,7 +487,7 @@ std::shared_ptr<const SoftenedConstants> SharedSoftening::of(const ElasticConsta
   const auto isGone = [](const auto& made) { return made.expired(); };
   made_.erase(std::remove_if(made_.begin(), made_.end(), isGone), made_.end());
   for (const auto& made : made_)
-    if (auto found = made.lock(); found->largest == largest && found->inverseMass == inverseMass)
+    if (auto found = made.lock(); found && found->largest == largest && found->inverseMass == inverseMass)
       return found;
   auto constants = std::make_shared<const SoftenedConstants>(softened(full, restShape, inverseMass, largest));
   made_.push_back(constants);

@@ -137,12 +137,12 @@ constexpr double kLargestCompression = -0.3;
 /// The tetrahedra of a body.
 template <class V>
 struct Tetrahedra {
-  Index count = 0;                         ///< 0: none
-  const Index* corners = nullptr;          ///< 4 x count, point indices
-  const double* inverseRest = nullptr;     ///< count, 1/m^3, 1 / (6 rest volume)
-  const double* stabilityScale = nullptr;  ///< count, 1/m^4, see TetrahedronVolumes
-  const double* modulus = nullptr;         ///< Pa, one number
-  const double* crushModulus = nullptr;    ///< Pa, one number
+  Index count = 0;                       ///< 0: none
+  const Index* corners = nullptr;        ///< 4 x count, point indices
+  const double* inverseRest = nullptr;   ///< count, 1/m^3, 1 / (6 rest volume)
+  const V* stabilityScale = nullptr;     ///< count, 1/m^4, see TetrahedronVolumes
+  const double* modulus = nullptr;       ///< Pa, one number
+  const double* crushModulus = nullptr;  ///< Pa, one number
 };
 
 template <class V>
@@ -210,8 +210,8 @@ inline void addTetrahedronForces(const Tetrahedra<V>& t, const V* position, V* f
     const V* a = position + 3 * corner[0];
     const CornerForces<V> f = tetrahedronForces(
         displacementFrom(a, position + 3 * corner[1]), displacementFrom(a, position + 3 * corner[2]),
-        displacementFrom(a, position + 3 * corner[3]), all(V(), t.inverseRest[i]),
-        all(V(), t.stabilityScale[i]), all(V(), *t.modulus), all(V(), *t.crushModulus));
+        displacementFrom(a, position + 3 * corner[3]), all(V(), t.inverseRest[i]), t.stabilityScale[i],
+        all(V(), *t.modulus), all(V(), *t.crushModulus));
     V* fa = force + 3 * corner[0];
     fa[0] = fa[0] - (f.b.x + (f.c.x + f.d.x));
     fa[1] = fa[1] - (f.b.y + (f.c.y + f.d.y));
