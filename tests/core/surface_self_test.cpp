@@ -62,6 +62,50 @@ TEST(SelfContacts, foldedClothLiesOnItself) {
     for (std::uint32_t k = 0; k <= 10; ++k) EXPECT_TRUE(upper.count(row * 11 + k)) << row << " " << k;
 }
 
+/// The layers of a spiral ramp all face up, like a flat cloth, and are near where they were not at rest.
+TEST(SelfContacts, layersOfASpiralRampLieOnEachOther) {
+  MovingShape cloth = test::clothShape(40, 0.05, 0.005);
+  for (Eigen::Index i = 0; i < cloth.position.cols(); ++i) {
+    const Vector3d flat = cloth.position.col(i);
+    const double angle = 2.0 * M_PI * flat.x(), radius = 0.16 + 0.05 * flat.z();
+    cloth.position.col(i) = Vector3d(radius * std::cos(angle), 0.011 * flat.x(), radius * std::sin(angle));
+  }
+  const auto found = selfContacts(cloth, 0.003);
+  std::set<std::uint32_t> touching;
+  for (const SurfaceContact& c : found)
+    for (const SurfacePoint* point : {&c.a, &c.b})
+      if (point->kind == FeatureKind::OnVertex) touching.insert(point->feature);
+  EXPECT_GE(touching.size(), 40 * 41);  // of 41 x 41
+}
+
+/// A cloth folded like a Z over its first row of cells, which are ten times as long as the others.
+TEST(SelfContacts, aSmallPartFoldedTwiceLiesOnALargeOne) {
+  MovingShape cloth = test::clothShape(10, 0.05, 0.002);
+  SurfaceTopology& t = cloth.topology;
+  const auto rowOf = [&](Eigen::Index i) { return std::lround((cloth.position(0, i) + 0.25) / 0.05); };
+  for (Eigen::Index i = 0; i < cloth.position.cols(); ++i) {
+    const auto row = static_cast<double>(rowOf(i));
+    const double z = cloth.position(2, i), stretched = row > 0 ? 0.5 + 0.05 * (row - 1) : 0.0;
+    t.rest.col(i) = Vector3d(stretched, 0.0, z);
+    // back from row 1 to row 3, then forth again
+    const double back = row <= 1 ? stretched : 0.5 - 0.05 * (row - 1);
+    cloth.position.col(i) = Vector3d(row <= 3 ? back : 0.4 + 0.05 * (row - 3),
+                                     row <= 1   ? 0.0
+                                     : row <= 3 ? 0.005
+                                                : 0.01,
+                                     z);
+  }
+  const auto found = selfContacts(cloth, 0.003);
+  const auto isOnFirstCells = [&](const SurfacePoint& point) {
+    return point.kind == FeatureKind::OnTriangle &&
+           std::any_of(point.points.begin(), point.points.end(),
+                       [&](std::uint32_t i) { return t.rest(0, i) == 0.0; });
+  };
+  EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const SurfaceContact& c) {
+    return isOnFirstCells(c.a) || isOnFirstCells(c.b);
+  }));
+}
+
 TEST(SelfContacts, knottedRopeTouchesAtItsCrossing) {
   MovingShape rope = test::ropeShape(40, 0.05, 0.02);
   for (int i = 0; i <= 40; ++i) {  // a loop whose ends cross at right angles at the origin

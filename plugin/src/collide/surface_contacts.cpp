@@ -291,56 +291,94 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
   searchNear(pair, search, found);
 }
 
-void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
-                      std::vector<SurfaceContact>& found) {
-  findNearLeaves(surface, surface, margin, search.waiting, search.near);
-  searchNear({surface, surface, margin, true, 0.0}, search, found);
-}
+// --- a surface with itself ---------------------------------------------------------------------------------
 
 namespace {
 
-/// Where an element is at the start of the tick, and its expected motion (m): that of all its points is
-/// within `spread` of it.
-struct ElementMotion {
-  Eigen::AlignedBox3d box;
-  Vector3d motion = Vector3d::Zero();
-  double spread = 0.0;
-};
-
-ElementMotion motionOf(const MovingSurface& surface, std::uint32_t leaf) {
-  const auto& corners = surface.topology->elements[surface.topology->nodes[leaf].element].corners;
+ElementMotion motionOf(const MovingSurface& surface, const SurfaceElement& element) {
   ElementMotion m;
+  m.element = &element;
+  const auto& corners = element.corners;
+  const Points& rest = surface.topology->rest;
   for (const std::uint32_t c : corners) {
     m.box.extend(surface.position->col(c));
+    m.start += surface.position->col(c) / 3.0;
     m.motion += surface.motion->col(c) / 3.0;
+    m.rest += rest.col(c) / 3.0;
   }
-  for (const std::uint32_t c : corners)
+  for (const std::uint32_t c : corners) {
     m.spread = std::max(m.spread, (surface.motion->col(c) - m.motion).norm());
+    m.size = std::max(m.size, (rest.col(c) - m.rest).norm());
+  }
+  const MovingFeature<3> triangle = featureOf<3>(surface, corners);
+  m.startNormal = normalOf<3>(triangle.start);
+  m.endNormal = normalOf<3>(triangle.at(1.0));
   return m;
 }
 
-/// Drops the pairs of elements in `near` that are farther apart than `distance` (m) and twice their expected
-/// relative motion. Most of them are neighbours that move alike.
-void dropDistant(const MovingSurface& surface, double distance, LeafPairs& near) {
-  std::uint32_t first = kNoFeature;
-  ElementMotion a;
-  const auto isDistant = [&](const LeafPairs::value_type& pair) {
-    if (pair.first != first) a = motionOf(surface, first = pair.first);
-    const ElementMotion b = motionOf(surface, pair.second);
-    const double relative = (a.motion - b.motion).norm() + a.spread + b.spread;
-    return a.box.exteriorDistance(b.box) > distance + 2.0 * relative;
+bool shareCorner(const SurfaceElement& a, const SurfaceElement& b) {
+  return std::find_first_of(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end()) !=
+         a.corners.end();
+}
+
+/// Cosine of the largest angle between two elements, and their least distance relative to that at rest, with
+/// which the surface between them is about flat. This tells nothing of elements that are larger than
+/// 1 / kLeastDistance of their distance, unless they share a corner: a small part that is folded over a large
+/// triangle is about as far from its middle as before.
+constexpr double kAboutFlat = 0.5, kAboutUnfolded = 0.9, kLeastDistance = 1.5;
+
+/// Whether the surface between two elements is about flat at the start and the expected end of the tick. So
+/// they do not touch: most near elements of a surface are such neighbours. Elements that are not triangles
+/// have no normals.
+bool staysFlat(const ElementMotion& a, const ElementMotion& b) {
+  if (!(a.startNormal.dot(b.startNormal) > kAboutFlat && a.endNormal.dot(b.endNormal) > kAboutFlat))
+    return false;
+  const double rest = (b.rest - a.rest).norm(), least = kAboutUnfolded * rest;
+  const Vector3d start = b.start - a.start;
+  return start.norm() > least && (start + b.motion - a.motion).norm() > least &&
+         (rest > kLeastDistance * std::max(a.size, b.size) || shareCorner(*a.element, *b.element));
+}
+
+/// Returns a lower bound of the distance (m) between points of two elements within the tick, if their
+/// relative motion is up to twice as expected. Most near elements are neighbours that move alike.
+double leastDistance(const ElementMotion& a, const ElementMotion& b) {
+  const double relative = (a.motion - b.motion).norm() + a.spread + b.spread;
+  return a.box.exteriorDistance(b.box) - 2.0 * relative;
+}
+
+/// Fills search.near with the pairs of elements that may come within `margin` (m) of each other.
+/// `leavesOut(a, b)`: which of them do not.
+template <class LeavesOut>
+void findNearElements(const MovingSurface& surface, double margin, ContactSearch& search,
+                      LeavesOut leavesOut) {
+  findNearLeaves(surface, surface, margin, search.waiting, search.near);
+  const SurfaceTopology& t = *surface.topology;
+  search.elements.clear();
+  for (const SurfaceElement& element : t.elements) search.elements.push_back(motionOf(surface, element));
+  const auto isLeftOut = [&](const LeafPairs::value_type& pair) {
+    const ElementMotion &a = search.elements[t.nodes[pair.first].element],
+                        &b = search.elements[t.nodes[pair.second].element];
+    return staysFlat(a, b) || leavesOut(a, b);
   };
-  near.erase(std::remove_if(near.begin(), near.end(), isDistant), near.end());
+  search.near.erase(std::remove_if(search.near.begin(), search.near.end(), isLeftOut), search.near.end());
 }
 
 }  // namespace
+
+void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
+                      std::vector<SurfaceContact>& found) {
+  findNearElements(surface, margin, search, [](const ElementMotion&, const ElementMotion&) { return false; });
+  searchNear({surface, surface, margin, true, 0.0}, search, found);
+}
 
 bool mayTouchItself(const MovingSurface& surface, double margin, double displacement, double others,
                     ContactSearch& search, std::vector<SurfaceContact>& found) {
   constexpr double kUnexpected = 0.25;
   const double extraMargin = kUnexpected * displacement + others;
-  findNearLeaves(surface, surface, margin + extraMargin, search.waiting, search.near);
-  dropDistant(surface, margin + 2.0 * surface.radius + extraMargin, search.near);
+  const double distance = margin + 2.0 * surface.radius + extraMargin;
+  findNearElements(
+      surface, margin + extraMargin, search,
+      [&](const ElementMotion& a, const ElementMotion& b) { return leastDistance(a, b) > distance; });
   searchNear({surface, surface, margin + extraMargin, true, extraMargin}, search, found);
   return !found.empty();
 }

@@ -55,9 +55,22 @@ struct PenetratingVertex {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< of the nearest point of the triangle
 };
 
+/// Where an element is, and its expected motion in the tick.
+struct ElementMotion {
+  const SurfaceElement* element = nullptr;
+  Eigen::AlignedBox3d box;                          ///< m, at the start
+  Eigen::Vector3d start = Eigen::Vector3d::Zero(),  ///< m, the middle of its corners
+      rest = Eigen::Vector3d::Zero(),               ///< m, at rest
+      motion = Eigen::Vector3d::Zero();             ///< m
+  Eigen::Vector3d startNormal, endNormal;           ///< 0 unless it is a triangle
+  double spread = 0.0;                              ///< m, limit of the corners' motion relative to `motion`
+  double size = 0.0;  ///< m, at rest, largest distance of a corner from the middle
+};
+
 /// Scratch of a search. It is reused so that its memory is not allocated again.
 struct ContactSearch {
   LeafPairs waiting, near;               ///< see findNearLeaves()
+  std::vector<ElementMotion> elements;   ///< of a surface with itself
   std::vector<Extent> pointsA, pointsB;  ///< #points, along the line between the surfaces
   std::vector<FeatureCandidate> candidates;
   std::vector<PenetratingVertex> penetrating;
@@ -99,7 +112,8 @@ bool findOverlapContacts(const MovingSurface& a, const MovingSurface& b, Contact
                          std::vector<SurfaceContact>& found);
 
 /// Finds the contacts of a surface with itself up to a gap of `margin` (m). Leaves out features that share a
-/// vertex, and features whose distance at rest is at most both radii and `margin`.
+/// vertex, features whose distance at rest is at most both radii and `margin`, and triangles between which
+/// the surface is about flat.
 void findSelfContacts(const MovingSurface& surface, double margin, ContactSearch& search,
                       std::vector<SurfaceContact>& found);
 
