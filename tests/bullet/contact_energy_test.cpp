@@ -319,6 +319,39 @@ TEST(StrongDampers, stopAnImpactAsFineSubstepsDo) {
   }
 }
 
+/// Like the bumper of a car: it is attached to a box and glides along the floor without touching it. The more
+/// substeps of an impact would be for nothing.
+TEST(StrongDampers, glidingPastAFloorIsNoImpact) {
+  MaterialMesh mesh;
+  mesh.points = 120;
+  Material material = Material::foam();
+  material.youngsModulus = 4e5;
+  material.density = 300.0;
+  material.dampingTime = 0.01;
+  TriangleMesh box = small_meshes::cube();
+  for (Vector3d& position : box.positions) position = position.cwiseProduct(Vector3d(0.3, 0.3, 1.2));
+  const SharedNetwork bumper = *buildMaterialNetwork(box, mesh);
+  SoftBodySettings s = *withMaterial(*bumper, material, test::testedSettings());
+  s.pointRadius = 0.01;
+  s.position = {1.16, 0.2, 0};
+  std::vector<int> substeps;
+  for (const double speed : {0.0, 6.0}) {
+    BulletWorld bullet(0.0);
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    btRigidBody& chassis = *bullet.addBox(vec(1, 0.1, 0.6), 400.0, vec(0, 0.3, 0));
+    s.linearVelocity = {speed, 0, 0};
+    chassis.setLinearVelocity(vec(speed, 0, 0));
+    SoftBody& body = **system.createBody(bumper, s);
+    for (std::uint32_t i = 0; i < body.pointCount(); ++i)
+      if (body.position(i).x() < 1.04) system.attach(&body, i, chassis);
+    bullet.simulate(0.5);
+    substeps.push_back(body.substeps());
+    if (speed > 0.0) EXPECT_GT(system.profile().contacts, 0u);
+  }
+  EXPECT_EQ(substeps[1], substeps[0]);
+}
+
 // --- edges that are pressed flat ---------------------------------------------------------------------------
 
 struct AfterHit {

@@ -177,16 +177,14 @@ bool anyNear(const SoftBodyData& body) {
 }
 
 /// Returns the largest speed (m/s) at which the body approaches what it touches, or at which its points move
-/// relative to each other while it does. In an island the whole velocity counts, because the others' are not
-/// known here.
-double impactSpeed(SoftBodyData& body, bool inIsland) {
-  if (!inIsland && !anyNear(body)) return 0.0;
-  const MotionSums& sums = sumsOf(body);
-  double approach = inIsland ? Eigen::Vector3d(sums.meanVelocity).norm() : 0.0;
+/// relative to each other while it does.
+double impactSpeed(SoftBodyData& body) {
+  if (!anyNear(body) && !(body.approach > -HUGE_VAL)) return 0.0;
+  double approach = body.approach;
   for (const PlaneContact& row : body.contacts)
     if (isNear(row))
       approach = std::max(approach, row.normal.dot(row.surfaceVelocity - body.state.velocity.col(row.point)));
-  return std::max(approach, std::sqrt(sums.fastest));
+  return std::max(approach, std::sqrt(sumsOf(body).fastest));
 }
 
 SteppingProblem problemOf(LinkedGroup& group, double tick) {
@@ -198,7 +196,7 @@ SteppingProblem problemOf(LinkedGroup& group, double tick) {
   for (SoftBodyData* body : group.bodies) {
     p.dampingRate = std::max(p.dampingRate, body->dampingRate);
     p.errorCoefficient = std::max(p.errorCoefficient, body->errorCoefficient);
-    p.impactSpeed = std::max(p.impactSpeed, impactSpeed(*body, group.inIsland));
+    p.impactSpeed = std::max(p.impactSpeed, impactSpeed(*body));
     p.size = p.size > 0.0 ? std::min(p.size, body->size) : body->size;
     p.touching = p.touching || anyNear(*body);
     p.narrow = body->model->narrow;

@@ -278,6 +278,37 @@ void addLinkedRigids(const AwakeGroups& groups, TickContacts& found) {
       if (isFree(*rigid.body)) found.add(*rigid.body);
 }
 
+namespace {
+
+/// m/s, of a side of a contact; `soft` is its soft body.
+Eigen::Vector3d velocityOf(const ContactPoint& side, const SoftBodyData* soft, const TickContacts& found) {
+  Eigen::Vector3d velocity = side.velocity;
+  if (side.kind == ContactPoint::Kind::Rigid)
+    velocity += toEigen(found.rigids[side.body].body->getVelocityInLocalPoint(toBullet(side.arm)));
+  for (std::uint32_t k = 0; soft && k < side.count; ++k)
+    velocity += side.weight[k] * soft->state.velocity.col(side.point[k]);
+  return velocity;
+}
+
+/// Sets SoftBodyData::approach.
+void findApproaches(const AwakeGroups& groups, const TickContacts& found) {
+  for (LinkedGroup* group : groups)
+    for (SoftBodyData* body : group->bodies) body->approach = -HUGE_VAL;
+  const auto note = [](SoftBodyData* body, double speed) {
+    if (body) body->approach = std::max(body->approach, speed);
+  };
+  for (std::size_t i = 0; i < found.contacts.size(); ++i) {
+    const Contact& c = found.contacts[i];
+    const ContactSource& source = found.sources[i];
+    if (!source.body) continue;
+    const double speed =
+        c.normal.dot(velocityOf(c.b, source.other, found) - velocityOf(c.a, source.body, found));
+    note(source.body, speed), note(source.other, speed);
+  }
+}
+
+}  // namespace
+
 void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, Islands& islands) {
   islands.count = 0;
   bool anchored = false;
@@ -285,6 +316,7 @@ void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, 
     group->inIsland = false;
     anchored = anchored || hasAnchorsAndContacts(*group);
   }
+  findApproaches(groups, found);
   if (found.contacts.empty() && found.joints.empty() && found.candidates.empty() && !anchored) return;
   numberBodies(groups, islands);
   const IslandNodes nodes{static_cast<std::uint32_t>(groups.size()), islands.groupOf};

@@ -328,14 +328,16 @@ struct SoftBodyData {
   double errorPerSecond = 0.0;        ///< m/s
   double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem
   std::vector<double> stiffnessSums;
-  bool anyHeld = false;          ///< some point has an inverse mass of 0; frequencyStale applies to it, too
-  MotionSums sums;               ///< see sumsOf()
-  bool sumsValid = false;        ///< false once points have changed since; the bounds at the start of a tick
-                                 ///< are those of the tick in which `sums` were made
-  Points startVelocity;          ///< 3 x #points, m/s, at the start of the tick
-  double dampingRate = 0.0;      ///< 1/s, dampingRateBound; frequencyStale applies to it, too
-  double size = 0.0;             ///< m, diagonal of its initial bounding box
-  bool prefersImplicit = false;  ///< in the last tick, if it were in no island
+  bool anyHeld = false;      ///< some point has an inverse mass of 0; frequencyStale applies to it, too
+  MotionSums sums;           ///< see sumsOf()
+  bool sumsValid = false;    ///< false once points have changed since; the bounds at the start of a tick
+                             ///< are those of the tick in which `sums` were made
+  Points startVelocity;      ///< 3 x #points, m/s, at the start of the tick
+  double dampingRate = 0.0;  ///< 1/s, dampingRateBound; frequencyStale applies to it, too
+  double approach = 0.0;     ///< m/s, largest at which it and a moving object near it approach each other in
+                             ///< this tick; -HUGE_VAL: there is none
+  double size = 0.0;         ///< m, diagonal of its initial bounding box
+  bool prefersImplicit = false;                      ///< in the last tick, if it were in no island
   std::unique_ptr<SpringBatchArrays> springBatches;  ///< see useSpringBatches()
   std::unique_ptr<ImplicitState> implicit;           ///< created when it is first stepped implicitly
   std::vector<float> skinned;                        ///< 3 x #points, scratch of a body with a skin
