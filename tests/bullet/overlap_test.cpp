@@ -78,6 +78,17 @@ TEST_F(OverlapTest, besideAnotherItGetsAside) {
     }
 }
 
+/// No point of a copy at the same place is inside or outside the other, and no direction leads out.
+TEST_F(OverlapTest, aCopyAtTheSamePlaceGetsOut) {
+  for (const double tick : {1.0 / 60.0, 1.0 / 30.0}) {
+    SoftBody* body = addCube(0, 0.26);
+    SoftBody* copy = *system.clone(body, btTransform::getIdentity());
+    separate(2.5, tick);
+    EXPECT_GT((copy->centerOfMass() - body->centerOfMass()).cwiseAbs().maxCoeff(), kLeast) << tick;
+    ASSERT_TRUE(system.destroyBody(body) && system.destroyBody(copy));
+  }
+}
+
 TEST_F(OverlapTest, ofADynamicBoxItGetsOut) {
   for (const double tick : {1.0 / 120.0, 1.0 / 30.0}) {
     btRigidBody* box = bullet.addBox(vec(0.25, 0.25, 0.25), 1.0, vec(0, 0.25, 0));

@@ -229,7 +229,9 @@ class LIMBER_API SoftBody {
   /// springs, forces for the coming step, and what you have given single points besides their masses, as
   /// gravity or friction, are not part of it. It is also saved of a body that is not alive(), which
   /// cannot be restored. Takes about as long as reading all points; the searches for contacts in the next
-  /// tick take longer, because it also discards their caches.
+  /// tick take longer, because it also discards their caches. So from then on the bits of a run are those of
+  /// its restorations, but not those of a run in which no state was saved, which differs by rounding: peers
+  /// in lockstep save in the same ticks.
   std::vector<std::uint8_t> saveState();
   /// Restores a state. Errors, with nothing changed: bytes that saveState() has not made, or that are
   /// damaged; a body of another network or kind of collision. A body that has torn since the state was saved

@@ -32,6 +32,19 @@ void findInside(const MovingSurface& own, const MovingSurface& other, bool ofB, 
   }
 }
 
+/// Whether a surface is a copy of the other at the same place. No vertex is deeper inside than on the
+/// surface.
+bool coincide(const SurfacePair& pair) {
+  const Points &a = *pair.a.position, &b = *pair.b.position;
+  return a.cols() == b.cols() && pair.a.topology->vertices == pair.b.topology->vertices &&
+         (a - b).colwise().norm().maxCoeff() <= pair.radiusSum();
+}
+
+void addAll(const MovingSurface& own, bool ofB, std::vector<PenetratingVertex>& inside) {
+  for (const std::uint32_t v : own.topology->vertices)
+    inside.push_back({ofB, v, *own.topology->trianglesAround.begin(v)});
+}
+
 /// Returns how far (m) surface a must move along the unit `direction` to be beyond b. It is exact for convex
 /// surfaces, and else too much.
 double wayBeyond(const MovingSurface& a, const MovingSurface& b, const Vector3d& direction) {
@@ -146,8 +159,12 @@ bool findOverlapContacts(const MovingSurface& a, const MovingSurface& b, Contact
   const std::size_t ofA = inside.size();
   findInside(b, a, true, pair.radiusSum(), inside);
   const std::size_t ofB = inside.size() - ofA;
-  if (inside.empty() || ofA == a.topology->vertices.size() || ofB == b.topology->vertices.size())
+  if (inside.empty() && coincide(pair)) {
+    addAll(a, false, inside);
+    addAll(b, true, inside);
+  } else if (inside.empty() || ofA == a.topology->vertices.size() || ofB == b.topology->vertices.size()) {
     return false;
+  }
   const Vector3d out = wayOut(pair, inside);
   search.candidates.clear();
   for (PenetratingVertex& v : inside) {
