@@ -121,6 +121,35 @@ TEST_F(OverlapTest, ofAStaticSolidItGetsOut) {
 }
 
 /// The nearest ways out of the cube's points lead to all sides of the box.
+/// The solid passes right through the body, which has points on both sides of it, or is inside, where the
+/// body has no points.
+TEST_F(OverlapTest, ofAStaticSolidThatPassesThroughItItGetsOut) {
+  const auto expectOut = [&](std::unique_ptr<btCollisionShape> shape, const Vector3d& half,
+                             const Vector3d& at) {
+    btRigidBody* solid = bullet.add(std::move(shape), 0.0, vec(0, 2, 0));
+    SoftBody* body = addCube(at.x(), 2.0 + at.y());
+    bullet.simulate(2.0);
+    const Eigen::AlignedBox3d inside(Vector3d(0, 2, 0) - 0.9 * half, Vector3d(0, 2, 0) + 0.9 * half);
+    double least = HUGE_VAL, largest = -HUGE_VAL;
+    for (std::uint32_t i = 0; i < body->pointCount(); ++i) {
+      EXPECT_FALSE(inside.contains(body->position(i)));
+      least = std::min(least, body->position(i).y()), largest = std::max(largest, body->position(i).y());
+    }
+    EXPECT_TRUE(least > 2.0 + 0.9 * half.y() || largest < 2.0 - 0.9 * half.y()) << least << ' ' << largest;
+    ASSERT_TRUE(system.destroyBody(body));
+    bullet.world->removeRigidBody(solid);
+  };
+  for (const double thick : {0.02, 0.06, 0.2})
+    for (const double y : {-0.15, 0.0, 0.13}) {
+      SCOPED_TRACE(testing::Message() << "shelf " << thick << " at " << y);
+      const Vector3d half(1.0, 0.5 * thick, 1.0);
+      expectOut(std::make_unique<btBoxShape>(vec(half.x(), half.y(), half.z())), half, {0.3, y, 0.0});
+    }
+  const Vector3d half = Vector3d::Constant(0.08);
+  for (const double y : {0.03, -0.03})
+    expectOut(std::make_unique<btSphereShape>(btScalar(0.1)), half, {0.02, y, 0.0});
+}
+
 TEST_F(OverlapTest, ofAStaticBoxThatIsPutOverItItGetsOut) {
   enum class Way { Added, Moved, Scaled, Kinematic };
   for (const Way way : {Way::Added, Way::Moved, Way::Scaled, Way::Kinematic}) {
