@@ -223,18 +223,27 @@ constexpr double kSlightlyMore = 1.001;
 
 using PenetratingIterator = std::vector<PenetratingVertex>::const_iterator;
 
+/// Cosine. A corner of a box faces what it hits with at least this, a side of a box what slides past it with
+/// less.
+constexpr double kFacingSquarely = 0.5;
+
 /// Adds a candidate if the vertex is inside and its own surface faces the way out. `begin` to `end` are
 /// entries of one vertex, in the order of addInsideVertices(). A vertex near a thin edge that is pushed out
-/// of the far side would be hooked there.
+/// of the far side would be hooked there. So would the rims of two boxes side by side, whose bottoms bulge a
+/// little towards each other's: the ways that the vertex faces squarely come first.
 void addInside(const SurfacePair& pair, PenetratingIterator begin, PenetratingIterator end,
                ContactSearch& search) {
   const MovingSurface &own = begin->ofB ? pair.b : pair.a, &other = begin->ofB ? pair.a : pair.b;
   const auto less = [](const PenetratingVertex& x, const PenetratingVertex& y) { return x.depth < y.depth; };
   const double depth = std::min_element(begin, end, less)->depth;
   if (!nearestOnSurface(other, own.position->col(begin->vertex), kSlightlyMore * depth).behind) return;
-  const auto facing = std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
-    return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, 0.0, vertex.triangle));
-  });
+  const auto findFacing = [&](double cosine) {
+    return std::find_if(begin, end, [&](const PenetratingVertex& vertex) {
+      return facesOutward(own, 0.0, vertex.vertex, -normalAt(other, 0.0, vertex.triangle), cosine);
+    });
+  };
+  auto facing = findFacing(kFacingSquarely);
+  if (facing == end) facing = findFacing(kFacing);
   if (facing != end) addVertexOnTriangle(pair, *facing, normalAt(other, 0.0, facing->triangle), 0.0, search);
 }
 

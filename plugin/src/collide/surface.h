@@ -175,9 +175,14 @@ Eigen::Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_
 bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edge,
                     const Eigen::Vector3d& outward, const ConeTolerance& tolerance);
 
-/// Whether the vertex has no triangles, or the outer side of at least one of them faces `outward`.
+/// Cosine between a direction and the normal above which a triangle faces it. Triangles perpendicular to a
+/// flat face do not.
+constexpr double kFacing = 0.02;
+
+/// Whether the vertex has no triangles, or the outer side of at least one of them faces `outward`: the cosine
+/// is larger than this.
 bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex,
-                  const Eigen::Vector3d& outward);
+                  const Eigen::Vector3d& outward, double cosine = kFacing);
 
 /// Whether no edge around the vertex points to the side of `outward`, and a triangle faces `outward`.
 bool isInVertexCone(const MovingSurface& surface, double time, std::uint32_t vertex,

@@ -206,9 +206,6 @@ namespace {
 
 /// Sine: tolerance of a vertex's cone for rounding and for slight deformation of a body.
 constexpr double kConeTolerance = 0.01;
-/// Cosine between `outward` and the normal above which a triangle faces outward. Triangles perpendicular to a
-/// flat face do not.
-constexpr double kFacing = 0.02;
 
 /// Returns the unit vector perpendicular to the edge that points into the triangle.
 Vector3d inwardFrom(const MovingSurface& surface, double time, std::uint32_t edge, std::uint32_t triangle) {
@@ -243,10 +240,11 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
   return outward.dot(normalAt(surface, time, first) + normalAt(surface, time, second)) > 0.0;
 }
 
-bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward) {
+bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward,
+                  double cosine) {
   const SurfaceTopology& t = *surface.topology;
   const auto faces = [&](std::uint32_t i) {
-    return !t.oneSided[i] || outward.dot(normalAt(surface, time, i)) > kFacing;
+    return !t.oneSided[i] || outward.dot(normalAt(surface, time, i)) > cosine;
   };
   const std::uint32_t *begin = t.trianglesAround.begin(vertex), *end = t.trianglesAround.end(vertex);
   return begin == end || std::any_of(begin, end, faces);
