@@ -80,21 +80,6 @@ TEST(SurfaceTree, findsThePairsOfItself) {
   EXPECT_GT(leaves.size(), 20u);
 }
 
-TEST(SurfaceTree, findsTrianglesInABox) {
-  std::mt19937 random(3);
-  MovingShape shape = randomSoup(200, random);
-  for (int trial = 0; trial < 50; ++trial) {
-    const Vector3d centre = test::randomVector(random);
-    const Eigen::AlignedBox3d box(centre - Vector3d::Constant(0.2), centre + Vector3d::Constant(0.1));
-    std::vector<std::uint32_t> found, expected;
-    findTriangles(shape.surface(), box, found);
-    for (std::uint32_t i = 0; i < shape.topology.triangles.size(); ++i)
-      if (box.intersects(boxOf(shape, shape.topology.triangles[i]))) expected.push_back(i);
-    std::sort(found.begin(), found.end());
-    EXPECT_EQ(found, expected) << "trial " << trial;
-  }
-}
-
 TEST(SurfaceTree, nearestPlaceIsThatOfAllTriangles) {
   std::mt19937 random(4);
   MovingShape shape = randomSoup(200, random);

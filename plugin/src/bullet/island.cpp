@@ -5,7 +5,6 @@
 #include "bullet/linked_group.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -15,17 +14,9 @@ constexpr std::uint32_t kNone = TickContacts::kNone;
 
 // --- coupled nodes -----------------------------------------------------------------------------------------
 
-std::uint32_t root(Islands& islands, std::uint32_t i) {
-  std::vector<std::uint32_t>& parent = islands.parent;
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-/// Joins two sets. The lower number becomes the root, so that islands are in the order of their first member.
-void join(Islands& islands, std::uint32_t a, std::uint32_t b) {
-  if (a == kNone || b == kNone) return;
-  a = root(islands, a), b = root(islands, b);
-  islands.parent[std::max(a, b)] = std::min(a, b);
+/// Islands are in the order of their first members.
+void join(DisjointSets& sets, std::uint32_t a, std::uint32_t b) {
+  if (a != kNone && b != kNone) sets.join(a, b);
 }
 
 /// Maps contact points and constraint rows to nodes.
@@ -53,16 +44,15 @@ struct IslandNodes {
 
 void joinNodes(const AwakeGroups& groups, const TickContacts& found, const IslandNodes& nodes,
                Islands& islands) {
-  islands.parent.resize(groups.size() + found.rigids.size());
-  std::iota(islands.parent.begin(), islands.parent.end(), std::uint32_t{0});
+  DisjointSets& sets = islands.sets;
+  sets.reset(groups.size() + found.rigids.size());
   for (std::uint32_t g = 0; g < groups.size(); ++g)
     for (const RigidPartner& rigid : groups[g]->rigids)
       if (!rigid.held && found.find(*rigid.body) != kNone)
-        join(islands, g, nodes.ofRigid(found.find(*rigid.body)));
-  for (const Contact& c : found.contacts) join(islands, nodes.of(c.a), nodes.of(c.b));
-  for (const SurfaceCandidate& m : found.candidates)
-    join(islands, nodes.of(*m.body), nodes.ofOther(m, found));
-  for (const JointConstraint& j : found.joints) join(islands, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
+        join(sets, g, nodes.ofRigid(found.find(*rigid.body)));
+  for (const Contact& c : found.contacts) join(sets, nodes.of(c.a), nodes.of(c.b));
+  for (const SurfaceCandidate& m : found.candidates) join(sets, nodes.of(*m.body), nodes.ofOther(m, found));
+  for (const JointConstraint& j : found.joints) join(sets, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
 }
 
 // --- filling the islands ----------------------------------------------------------------------------------
@@ -87,7 +77,7 @@ void clear(Island& island) {
 
 /// Returns the island of a node, or a new one if its set has none yet.
 Island& islandOf(Islands& islands, std::uint32_t node) {
-  std::uint32_t& number = islands.island[root(islands, node)];
+  std::uint32_t& number = islands.island[islands.sets.root(node)];
   if (number == kNone) {
     number = static_cast<std::uint32_t>(islands.count++);
     if (islands.all.size() < islands.count) islands.all.emplace_back();
@@ -128,7 +118,7 @@ void appendGroups(const AwakeGroups& groups, const TickContacts& found, const Is
                   Islands& islands) {
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     LinkedGroup& group = *groups[g];
-    group.inIsland = islands.island[root(islands, g)] != kNone;
+    group.inIsland = islands.island[islands.sets.root(g)] != kNone;
     if (!group.inIsland) continue;
     Island& island = islandOf(islands, g);
     islands.first[g] = static_cast<std::uint32_t>(island.step.bodies.size());
@@ -144,7 +134,7 @@ void appendGroups(const AwakeGroups& groups, const TickContacts& found, const Is
 void appendRigids(TickContacts& found, const IslandNodes& nodes, btScalar tick, Islands& islands) {
   for (std::uint32_t number = 0; number < found.rigids.size(); ++number) {
     const std::uint32_t node = nodes.ofRigid(number);
-    if (islands.first[node] != kNone || islands.island[root(islands, node)] == kNone) continue;
+    if (islands.first[node] != kNone || islands.island[islands.sets.root(node)] == kNone) continue;
     Island& island = islandOf(islands, node);
     islands.first[node] = static_cast<std::uint32_t>(island.step.links.rigids.size());
     island.rigids.push_back(number);
@@ -321,8 +311,8 @@ void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, 
   numberBodies(groups, islands);
   const IslandNodes nodes{static_cast<std::uint32_t>(groups.size()), islands.groupOf};
   joinNodes(groups, found, nodes, islands);
-  islands.island.assign(islands.parent.size(), kNone);
-  islands.first.assign(islands.parent.size(), kNone);
+  islands.island.assign(groups.size() + found.rigids.size(), kNone);
+  islands.first.assign(groups.size() + found.rigids.size(), kNone);
   for (const Contact& c : found.contacts) islandOf(islands, nodes.of(c));
   for (const JointConstraint& j : found.joints) islandOf(islands, nodes.of(j));
   for (const SurfaceCandidate& m : found.candidates) islandOf(islands, nodes.of(*m.body));

@@ -17,50 +17,25 @@ namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// The bodies that links can join, numbered: soft bodies, then rigid bodies in the order of first use.
-class LinkedNodes {
- public:
-  explicit LinkedNodes(const std::vector<SoftBodyData*>& bodies) {
-    for (std::size_t i = 0; i < bodies.size(); ++i) softIndex_[bodies[i]] = add();
-  }
+/// The bodies that links can join, numbered: soft bodies by SoftBodyData::index, then rigid bodies in the
+/// order of first use. Groups are in the order of their first members.
+struct LinkedNodes {
+  DisjointSets sets;
+  std::map<const btRigidBody*, std::uint32_t> ofRigid;
 
-  std::size_t soft(const SoftBodyData* body) const { return softIndex_.at(body); }
-
-  std::size_t rigid(btRigidBody* body) {
-    const auto [it, isNew] = rigidIndex_.try_emplace(body, parent_.size());
-    if (isNew) add();
+  std::uint32_t rigid(btRigidBody* body) {
+    const auto [it, isNew] = ofRigid.try_emplace(body, 0);
+    if (isNew) it->second = sets.add();
     return it->second;
   }
-
-  std::size_t root(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
-  /// Joins two sets. The lower number becomes the root: groups are in the order of their first members.
-  void join(std::size_t a, std::size_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::size_t add() {
-    parent_.push_back(parent_.size());
-    return parent_.size() - 1;
-  }
-
-  std::vector<std::size_t> parent_;
-  std::map<const SoftBodyData*, std::size_t> softIndex_;
-  std::map<const btRigidBody*, std::size_t> rigidIndex_;
 };
 
-constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
+constexpr std::uint32_t kNoNode = static_cast<std::uint32_t>(-1);
 
 /// Returns the node of a spring's end, or kNoNode for the world and for static bodies: they join nothing.
-std::size_t nodeOf(const SpringEnd& end, LinkedNodes& nodes) {
+std::uint32_t nodeOf(const SpringEnd& end, LinkedNodes& nodes) {
   if (!end.body) return kNoNode;
-  if (const PointMass* point = PointMass::from(end.body)) return nodes.soft(point->owner());
+  if (const PointMass* point = PointMass::from(end.body)) return point->owner()->index;
   return isStatic(*end.body) ? kNoNode : nodes.rigid(end.body);
 }
 
@@ -195,25 +170,25 @@ bool updateUsableLinks(const btCollisionWorld& world, const std::vector<SoftBody
 std::vector<LinkedGroup> makeLinkedGroups(const btCollisionWorld& world,
                                           const std::vector<SoftBodyData*>& bodies,
                                           const std::vector<SpringConstraint*>& springs) {
-  LinkedNodes nodes(bodies);
-  std::vector<std::size_t> springNode(springs.size(), kNoNode);
+  LinkedNodes nodes{DisjointSets(bodies.size()), {}};
+  std::vector<std::uint32_t> springNode(springs.size(), kNoNode);
   for (std::size_t i = 0; i < springs.size(); ++i) {
     if (!usable(*springs[i], world)) continue;
-    const std::size_t a = nodeOf(springs[i]->endA(), nodes), b = nodeOf(springs[i]->endB(), nodes);
-    if (a != kNoNode && b != kNoNode) nodes.join(a, b);
+    const std::uint32_t a = nodeOf(springs[i]->endA(), nodes), b = nodeOf(springs[i]->endB(), nodes);
+    if (a != kNoNode && b != kNoNode) nodes.sets.join(a, b);
     springNode[i] = a != kNoNode ? a : b;
   }
   for (SoftBodyData* body : bodies)
     for (const Anchor& anchor : body->anchors)
       if (usable(*anchor.body, world) && !isStatic(*anchor.body))
-        nodes.join(nodes.soft(body), nodes.rigid(anchor.body));
+        nodes.sets.join(body->index, nodes.rigid(anchor.body));
 
-  std::map<std::size_t, LinkedGroup> groups;
-  for (SoftBodyData* body : bodies) addBody(groups[nodes.root(nodes.soft(body))], body);
+  std::map<std::uint32_t, LinkedGroup> groups;
+  for (SoftBodyData* body : bodies) addBody(groups[nodes.sets.root(body->index)], body);
   for (std::size_t i = 0; i < springs.size(); ++i)
-    if (springNode[i] != kNoNode) addSpring(groups[nodes.root(springNode[i])], springs[i]);
+    if (springNode[i] != kNoNode) addSpring(groups[nodes.sets.root(springNode[i])], springs[i]);
   for (SoftBodyData* body : bodies) {
-    LinkedGroup& group = groups[nodes.root(nodes.soft(body))];
+    LinkedGroup& group = groups[nodes.sets.root(body->index)];
     for (Anchor& anchor : body->anchors)
       if (usable(*anchor.body, world))
         group.step.links.anchors.push_back(

@@ -11,6 +11,7 @@
 #include "bullet/surface_gather.h"
 #include "bullet/tick_contacts.h"
 #include "collide/relative_motion.h"
+#include "mesh/surface.h"
 #include "solver/spring_batches.h"
 #include "solver/verlet_step.h"
 
@@ -222,7 +223,7 @@ struct Islands {
   // Scratch, indexed by SoftBodyData::index.
   std::vector<std::uint32_t> groupOf, indexInGroup;
   // Scratch, indexed by node: first the groups, then the rigid bodies.
-  std::vector<std::uint32_t> parent;
+  DisjointSets sets;
   std::vector<std::uint32_t> island;  ///< index of the island of a root
   std::vector<std::uint32_t> first;   ///< index in the island of a group's first body, or of the rigid body
 };

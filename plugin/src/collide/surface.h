@@ -215,10 +215,6 @@ void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margi
 void findLeavesNearEdges(const MovingSurface& a, const MovingSurface& b, double margin,
                          const std::vector<std::uint8_t>* covered, LeafPairs& waiting, LeafPairs& near);
 
-/// Writes to `found` the triangles whose boxes overlap `box`.
-void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
-                   std::vector<std::uint32_t>& found);
-
 /// The nearest point on the triangles of a surface.
 struct NearestOnSurface {
   std::uint32_t triangle = kNoFeature;  ///< kNoFeature: none within the search distance

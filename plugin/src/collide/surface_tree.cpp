@@ -242,28 +242,6 @@ void findLeavesNearEdges(const MovingSurface& a, const MovingSurface& b, double 
   });
 }
 
-void findTriangles(const MovingSurface& surface, const Eigen::AlignedBox3d& box,
-                   std::vector<std::uint32_t>& found) {
-  const SurfaceTopology& t = *surface.topology;
-  SweptBox query;
-  query.low.head<3>() = box.min();
-  query.high.head<3>() = box.max();
-  found.clear();
-  std::array<std::uint32_t, kStack> stack{};
-  std::size_t waiting = t.nodes.empty() ? 0 : 1;
-  while (waiting > 0) {
-    const std::uint32_t i = stack[--waiting];
-    if (separation(surface.boxes->nodes[i], query) > 0.0) continue;
-    const SurfaceNode& node = t.nodes[i];
-    if (!isLeaf(node)) {
-      stack[waiting++] = node.child + 1;
-      stack[waiting++] = node.child;
-    } else if (t.elements[node.element].triangle != kNoFeature) {
-      found.push_back(t.elements[node.element].triangle);
-    }
-  }
-}
-
 NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& point, double within) {
   const SurfaceTopology& t = *surface.topology;
   const std::vector<SweptBox>& boxes = surface.boxes->nodes;

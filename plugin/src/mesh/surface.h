@@ -71,8 +71,16 @@ std::vector<std::vector<std::uint32_t>> elementsOfPoints(std::size_t points,
 /// Sets of indices that can be joined. The smallest member of a set, its root, identifies it.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
+  explicit DisjointSets(std::size_t count = 0) { reset(count); }
+
+  /// Makes each index a set of its own.
+  void reset(std::size_t count) {
+    parent_.resize(count);
     std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+  }
+  std::uint32_t add() {
+    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
+    return parent_.back();
   }
 
   std::uint32_t root(std::uint32_t i) {

@@ -4,12 +4,13 @@
 
 #include "solver/split.h"
 
+#include "mesh/surface.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <utility>
 
 namespace limber {
@@ -101,22 +102,14 @@ using Fans = std::vector<std::vector<std::uint32_t>>;
 Fans fansOf(const Elements& elements, std::uint32_t point, const std::vector<const ElementPair*>& pairs) {
   const std::uint32_t* first = elements.around.data() + elements.firstOf[point];
   const std::size_t count = elements.countAround(point);
-  std::vector<std::size_t> root(count);
-  std::iota(root.begin(), root.end(), std::size_t{0});
-  const auto rootOf = [&](std::size_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
+  DisjointSets sets(count);
   const auto placeOf = [&](std::uint32_t element) {
-    return static_cast<std::size_t>(std::lower_bound(first, first + count, element) - first);
+    return static_cast<std::uint32_t>(std::lower_bound(first, first + count, element) - first);
   };
-  for (const ElementPair* n : pairs) {
-    if (n->separated) continue;
-    const std::size_t a = rootOf(placeOf(n->a)), b = rootOf(placeOf(n->b));
-    root[std::max(a, b)] = std::min(a, b);
-  }
+  for (const ElementPair* n : pairs)
+    if (!n->separated) sets.join(placeOf(n->a), placeOf(n->b));
   std::vector<std::vector<std::uint32_t>> byRoot(count);
-  for (std::size_t i = 0; i < count; ++i) byRoot[rootOf(i)].push_back(first[i]);
+  for (std::uint32_t i = 0; i < count; ++i) byRoot[sets.root(i)].push_back(first[i]);
   Fans fans;
   for (auto& fan : byRoot)
     if (!fan.empty()) fans.push_back(std::move(fan));

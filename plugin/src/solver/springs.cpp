@@ -311,10 +311,4 @@ void limitSweeps(SpringArrays& springs, bool oneSweep) {
   if (std::exchange(springs.oneSweep, oneSweep) != oneSweep) springs.preparedFor = 0.0;
 }
 
-void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
-                 PointState& state) {
-  if (!springs->damped) return;
-  kernel::dampAll(kernelSprings(springs), impulse.data(), order == SweepOrder::Forward, kernelPoints(state));
-}
-
 }  // namespace limber

@@ -188,11 +188,4 @@ void prepareSprings(SpringArrays& springs, const Points& inverseMass, double dt)
 /// Sets oneSweep.
 void limitSweeps(SpringArrays& springs, bool oneSweep);
 
-enum class SweepOrder { Forward, Backward };
-
-/// Applies the dampers' impulses of a sweep to `state.velocity`, one damper after the other. `impulse` is
-/// dampHalf or dampFull. Alternating the order makes the splitting symmetric and therefore of second order.
-void dampSprings(SpringArrays& springs, const std::vector<double>& impulse, SweepOrder order,
-                 PointState& state);
-
 }  // namespace limber

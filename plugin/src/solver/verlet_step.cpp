@@ -118,8 +118,8 @@ void damp(BatchedBody& body, const BodyPart& part, bool whole, bool forward) {
     return kernel::unloadSlotVelocities(b, slotsOf(body, part));
   }
   SpringArrays& springs = *body.stepped->springs;
-  dampSprings(springs, whole ? springs.dampFull : springs.dampHalf,
-              forward ? SweepOrder::Forward : SweepOrder::Backward, *body.stepped->points);
+  const std::vector<double>& impulse = whole ? springs.dampFull : springs.dampHalf;
+  kernel::dampAll(kernelSprings(springs), impulse.data(), forward, kernelPoints(*body.stepped->points));
 }
 
 // --- islands -----------------------------------------------------------------------------------------------
