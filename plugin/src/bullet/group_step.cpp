@@ -220,7 +220,11 @@ void rewind(LinkedGroup& group) {
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
     body->sumsValid = false;
-    if (body->implicit) body->implicit->meanOver = 0.0;
+    if (ImplicitState* implicit = body->implicit.get()) {
+      implicit->meanOver = 0.0;
+      implicit->energyFloor = implicit->floorAtStart;
+      implicit->energyAtEnd = implicit->energyAtStart;
+    }
     for (PlaneContact& row : body->contacts) row.impulse = TickImpulse();
     for (PlaneContact& row : body->watch->rows) row.impulse = TickImpulse();
   }

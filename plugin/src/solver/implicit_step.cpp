@@ -424,7 +424,9 @@ bool stepImplicit(SolverBody& body, ImplicitState& implicit, MidpointSolver::Kin
   implicit.trial.resizeLike(body.points->position);
   body.errorRate = 0.0;
   startDrag(body);
-  implicit.energyFloor += energy(body) - implicit.energyAtEnd;
+  implicit.energyAtStart = energy(body);
+  implicit.energyFloor += implicit.energyAtStart - implicit.energyAtEnd;
+  implicit.floorAtStart = implicit.energyFloor;
   for (int i = 0; i < substeps; ++i) {
     if (body.watch && body.watch->on) {
       body.watch->look(viewOf(*body.points), i * h, h);

@@ -90,9 +90,10 @@ struct ImplicitState {
   Points residual, trial;       ///< 3 x #points, scratch
   double energyFloor = 0.0;     ///< J, the lowest energy so far, plus the work and other changes since
   double energyAtEnd = 0.0;     ///< J, at the end of the last tick
-  Points meanAcceleration;      ///< 3 x #points, m/s^2, of the last substep
-  double remainder = 0.0;       ///< m, estimated movement of further iterations
-  double meanOver = 0.0;        ///< s, substep of meanAcceleration; 0: none, or the body was moved otherwise
+  double floorAtStart = 0.0, energyAtStart = 0.0;  ///< J, both at the start of this tick, for another try
+  Points meanAcceleration;                         ///< 3 x #points, m/s^2, of the last substep
+  double remainder = 0.0;                          ///< m, estimated movement of further iterations
+  double meanOver = 0.0;  ///< s, substep of meanAcceleration; 0: none, or the body was moved otherwise
 };
 
 /// Whether stepImplicit can step the body: points held along all axes or none, no elastic limit, not more
