@@ -311,7 +311,7 @@ void addToBodiesIn(btDiscreteDynamicsWorld& world, btCollisionObject& mover, con
   const btVector3 more(margin, margin, margin);
   forEachObjectIn(world, low - more, high + more, [&](btCollisionObject& object) {
     SoftBodyData* body = bodyOf(object, isKinematic(mover), system);
-    if (body && canHit(*body, *mover.getBroadphaseHandle())) addPartner(*body, &mover);
+    if (body && canHit(*body, mover)) addPartner(*body, &mover);
   });
 }
 

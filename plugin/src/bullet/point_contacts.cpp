@@ -84,19 +84,6 @@ void addPartner(SoftBodyData& body, btCollisionObject& object, double tick) {
   }
 }
 
-/// Collects the partners of a body in a tick.
-struct PartnersInBox final : btBroadphaseAabbCallback {
-  PartnersInBox(SoftBodyData& b, double t) : body(&b), tick(t) {}
-  SoftBodyData* body;
-  double tick;
-
-  bool process(const btBroadphaseProxy* proxy) override {
-    if (canHit(*body, *proxy))
-      addPartner(*body, *static_cast<btCollisionObject*>(proxy->m_clientObject), tick);
-    return true;
-  }
-};
-
 ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
   const double gravity = toEigen(body.world->getGravity()).norm();
   // a speed that gravity gives in a tenth of a tick is no bounce
@@ -148,9 +135,11 @@ void sortById(std::vector<Object*>& objects, std::size_t first = 0) {
 }
 
 void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
-  PartnersInBox partners(body, tick);
-  body.world->getBroadphase()->aabbTest(toBullet(Eigen::Vector3d(box.min())),
-                                        toBullet(Eigen::Vector3d(box.max())), partners);
+  const auto add = [&](btCollisionObject& object) {
+    if (canHit(body, object)) addPartner(body, object, tick);
+  };
+  forEachObjectIn(*body.world, toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())),
+                  add);
   sortById(body.partners);
   sortById(body.freePartners);
 }
@@ -178,29 +167,18 @@ void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
   }
 }
 
-/// Adds static and kinematic partners of a body in a box.
-struct StaticPartnersInBox final : btBroadphaseAabbCallback {
-  explicit StaticPartnersInBox(SoftBodyData& b) : body(&b) {}
-  SoftBodyData* body;
-  bool any = false;
-
-  bool process(const btBroadphaseProxy* proxy) override {
-    const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    if (isSoft(object) || !isStaticOrKinematic(*object) || !canHit(*body, *proxy)) return true;
-    any = true;
-    addOnce(body->partners, object);
-    return true;
-  }
-};
-
 /// Returns whether a body has static or kinematic partners in a box, and adds the new ones.
 bool addStaticPartners(SoftBodyData& body, const btVector3& low, const btVector3& high) {
   const std::size_t known = body.partners.size();
-  StaticPartnersInBox held(body);
-  body.world->getBroadphase()->aabbTest(low, high, held);
+  bool any = false;
+  forEachObjectIn(*body.world, low, high, [&](const btCollisionObject& object) {
+    if (isSoft(&object) || !isStaticOrKinematic(object) || !canHit(body, object)) return;
+    any = true;
+    addOnce(body.partners, &object);
+  });
   sortById(body.partners, known);
   for (std::size_t p = known; p < body.partners.size(); ++p) storePartner(body, *body.partners[p]);
-  return held.any;
+  return any;
 }
 
 /// Finds contacts of points that are about to leave their search region, from their present positions. These

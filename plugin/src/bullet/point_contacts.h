@@ -117,10 +117,9 @@ Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick);
 
 // --- filters -----------------------------------------------------------------------------------------------
 
-/// Returns whether any of the body's points, or its surface, may collide with the object of this proxy. The
-/// body's own points and surface never do.
-inline bool canHit(const SoftBodyData& body, const btBroadphaseProxy& proxy) {
-  const auto& object = *static_cast<const btCollisionObject*>(proxy.m_clientObject);
+/// Returns whether any of the body's points, or its surface, may collide with the object. The body's own
+/// points and surface never do.
+inline bool canHit(const SoftBodyData& body, const btCollisionObject& object) {
   const PointMass* point = PointMass::from(&object);
   const SurfaceObject* surface = body.surface.object;
   if ((point && point->owner() == &body) || &object == surface || !object.hasContactResponse()) return false;

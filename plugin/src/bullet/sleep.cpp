@@ -257,7 +257,7 @@ void stir(LinkedGroup& group, double tick, SleepScratch& s) {
 
 /// Bullet's islands decide for contacts of point masses with dynamic bodies.
 bool mayTouch(const SoftBodyData& body, const SleepBox& awake) {
-  if (!awake.object || !canHit(body, *awake.object->getBroadphaseHandle())) return false;
+  if (!awake.object || !canHit(body, *awake.object)) return false;
   if (isSurfaceBody(body)) return true;
   if (!isKinematic(*awake.object)) return false;
   const double size = 4.0 / 3.0 * radiusOf(body);

@@ -168,7 +168,6 @@ struct SurfaceData {
   JointMotion joints;        ///< of the object
   std::vector<double> gaps;  ///< #contacts, scratch of readObjectFromBullet()
   PointState meanState;      ///< scratch of writeObjectToBullet() and readObjectFromBullet()
-  bool held = false;         ///< taken out of the simulation by Bullet or the user
   btVector3 gravity;         ///< m/s^2, gravity of the world that was last given to the points
   Points force;              ///< 3 x #points, N, in this stepSimulation(); empty until exposed or first used
   Points newForce;           ///< 3 x #points, N, since the last tick, see addForce(); empty until first used

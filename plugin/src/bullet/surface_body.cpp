@@ -342,7 +342,6 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   readObject(body);
   const bool held = isOutOfSimulation(body);
   if (held) exposePoints(body);
-  s.held = held;
   if (body.masses.exposed) {
     gatherPoints(body, tick, held);
     accelerateShared(body);

@@ -387,7 +387,7 @@ struct FirstWall final : btCollisionWorld::ClosestRayResultCallback {
 
   bool needsCollision(btBroadphaseProxy* proxy) const override {
     const auto& object = *static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    return !isSoft(&object) && canHit(*body, *proxy) && canHit(*body, point, object);
+    return !isSoft(&object) && canHit(*body, object) && canHit(*body, point, object);
   }
 };
 

@@ -160,7 +160,7 @@ struct FirstHit final : btCollisionWorld::ClosestConvexResultCallback {
 
   bool needsCollision(btBroadphaseProxy* proxy) const override {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    return !isAtEndPose(*object) && canHit(*body, *proxy) && canHit(*body, point->index(), *object);
+    return !isAtEndPose(*object) && canHit(*body, *object) && canHit(*body, point->index(), *object);
   }
 };
 
@@ -175,9 +175,8 @@ bool hasObstacle(const SoftBodyData& body, double longest) {
   const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
   const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
   bool any = false;
-  forEachObjectIn(*body.world, toBullet(low), toBullet(high), [&](const btCollisionObject& object) {
-    any = any || canHit(body, *object.getBroadphaseHandle());
-  });
+  forEachObjectIn(*body.world, toBullet(low), toBullet(high),
+                  [&](const btCollisionObject& object) { any = any || canHit(body, object); });
   return any;
 }
 
@@ -322,7 +321,7 @@ void addPointPairs(const SoftBodyData& body, double tick, double farthest, TickC
       if (!theirs || !theirs->alive) return;
       // the other body adds the contact
       if (!theirs->asleep && theirs->index < body.index) return;
-      if (canHit(body, *other.getBroadphaseHandle()) && canHit(body, i, other))
+      if (canHit(body, other) && canHit(body, i, other))
         addIfNear(*body.masses.bodies[i], other, tick, first, found);
     });
   }

@@ -49,16 +49,23 @@ Eigen::Vector3d RigidState::angularMomentum() const {
 // body molecular dynamics, 1997)
 Eigen::Quaterniond RigidState::rotationAfter(double dt) const {
   if (!gyroscopic) return (rotationBy(dt * angularVelocity) * rotation).normalized();
-  const Eigen::Vector3d momentum = angularMomentum();
+  Eigen::Vector3d own = (rotation.conjugate() * angularVelocity).cwiseQuotient(inverseInertiaLocal);
+  const Eigen::Vector3d momentum = rotation * own;
   std::array<int, 3> axes = {0, 1, 2};
   std::sort(axes.begin(), axes.end(),
             [&](int a, int b) { return inverseInertiaLocal[a] < inverseInertiaLocal[b]; });
   const double middle = inverseInertiaLocal[axes[1]];
   Eigen::Quaterniond turned = rotation;
   const auto turnAbout = [&](int axis, double time) {
-    const double along = (turned.conjugate() * momentum)[axis];
-    turned = turned *
-             rotationBy(time * (inverseInertiaLocal[axis] - middle) * along * Eigen::Vector3d::Unit(axis));
+    const double half = 0.5 * time * (inverseInertiaLocal[axis] - middle) * own[axis];
+    const double cosine = std::cos(half), sine = std::sin(half);
+    Eigen::Quaterniond turn(cosine, 0.0, 0.0, 0.0);
+    turn.coeffs()[axis] = sine;
+    turned = turned * turn;
+    // the momentum stays, so it turns back in the body
+    double &x = own[(axis + 1) % 3], &y = own[(axis + 2) % 3];
+    const double along = cosine * cosine - sine * sine, across = 2.0 * sine * cosine, before = x;
+    x = along * before + across * y, y = along * y - across * before;
   };
   turnAbout(axes[0], 0.5 * dt);
   turnAbout(axes[2], dt);
@@ -281,7 +288,6 @@ double linkFrequencyBoundSquared(LinkedBodies& bodies) {
 
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// Share of the cube of a mobility's trace: with a larger determinant its cofactors lose few digits.
@@ -345,22 +351,30 @@ void divideAnchors(LinkedBodies& bodies) {
   }
 }
 
-/// Sets `solve` as  (1 + M^-1 A)^-1 M^-1  with  A = sum J^T m J,  which is regular where M^-1 is not.
+/// Sets `solve` as  S = (1 + W A)^-1 W  with  A = sum J^T m J,  which is regular where the body's inverse
+/// masses and inertia W = diag(w, V) are not. With the blocks P (diagonal), Q^T, Q and R of A and
+/// s = w / (1 + w P):
+///     S_22 = (1 + V (R - Q s Q^T))^-1 V,  S_12 = -s Q^T S_22,  S_21 = -S_22 Q s,  S_11 = s (1 - Q^T S_21).
 void updateSet(LinkedBodies& bodies, AnchorSet& set) {
-  Matrix6d a = Matrix6d::Zero(), mobility = Matrix6d::Zero();
+  Vector3d p = Vector3d::Zero();
+  Matrix3d q = Matrix3d::Zero(), r = Matrix3d::Zero();
   for (std::uint32_t k = set.begin; k < set.end; ++k) {
     const LinkAnchor& anchor = anchorAt(bodies, k);
     const Vector3d mass = inverseMassOf(bodies, anchor).cwiseInverse();
-    const Matrix3d r = crossMatrix(anchor.arm), coupling = r * mass.asDiagonal();
-    a.topLeftCorner<3, 3>().diagonal() += mass;
-    a.bottomLeftCorner<3, 3>() += coupling;
-    a.bottomRightCorner<3, 3>() -= coupling * r;
+    const Matrix3d cross = crossMatrix(anchor.arm), coupling = cross * mass.asDiagonal();
+    p += mass;
+    q += coupling;
+    r -= coupling * cross;
   }
-  a.topRightCorner<3, 3>() = a.bottomLeftCorner<3, 3>().transpose();
   const RigidState& rigid = bodyOf(bodies, anchorAt(bodies, set.begin));
-  mobility.topLeftCorner<3, 3>().diagonal() = rigid.inverseMass;
-  mobility.bottomRightCorner<3, 3>() = rigid.inverseInertia;
-  set.solve = (Matrix6d::Identity() + mobility * a).partialPivLu().solve(mobility);
+  const Vector3d s = (rigid.inverseMass.array() / (1.0 + rigid.inverseMass.array() * p.array())).matrix();
+  const Matrix3d coupled = q * s.asDiagonal();
+  const Matrix3d turn = Matrix3d::Identity() + rigid.inverseInertia * (r - coupled * q.transpose());
+  const Matrix3d angular = turn.inverse() * rigid.inverseInertia, mixed = -(angular * coupled);
+  set.solve.topLeftCorner<3, 3>() = s.asDiagonal() * (Matrix3d::Identity() - q.transpose() * mixed);
+  set.solve.topRightCorner<3, 3>() = -(coupled.transpose() * angular);
+  set.solve.bottomLeftCorner<3, 3>() = mixed;
+  set.solve.bottomRightCorner<3, 3>() = angular;
 }
 
 /// Sets the velocity errors of a set.
