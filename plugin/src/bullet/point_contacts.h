@@ -162,6 +162,10 @@ bool mayHaveMissedContacts(SoftBodyData& body);
 /// faces would push different points to different sides.
 void findWaysOut(SoftBodyData& body);
 
+/// Whether the body has been placed into a solid in which the point is, or which is on the point's way out:
+/// in the body, or through one of the point's edges.
+bool isPushedOut(const SoftBodyData& body, const HeldPartner& held, std::uint32_t i);
+
 /// Adds contacts of one point with the static partners of its body, within its search region in the tick (s).
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
 
