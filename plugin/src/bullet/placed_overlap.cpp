@@ -57,6 +57,18 @@ bool passesThrough(const SoftBodyData& body, const HeldPartner& held, const Edge
   return nearestOn(&solid, &solid + 1, deepestBetween(solid, from, to)).height < deepest;
 }
 
+/// Whether a point of the body is deep in a solid, or the middle of the solid deep in the body, or an edge
+/// passes through the solid, which may be thin.
+bool overlaps(const SoftBodyData& body, const HeldPartner& held, const Vector3d& middle) {
+  const double deepest = -2.0 * radiusOf(body);
+  for (std::uint32_t i = 0; i < pointCount(body); ++i)
+    if (nearestOnSolid(body, held, i).height < deepest) return true;
+  const std::vector<Edge>& edges = body.model->topology.edges;
+  return std::any_of(edges.begin(), edges.end(),
+                     [&](const Edge& edge) { return passesThrough(body, held, edge, 0.25 * deepest); }) ||
+         isInBody(body, middle, -deepest);
+}
+
 /// Fits the boxes of the body's surface as it is now. Contacts, which are found later, change its motion.
 void fitPresentSurface(SoftBodyData& body) {
   SurfaceData& s = body.surface;
@@ -105,18 +117,6 @@ bool isPushedOut(const SoftBodyData& body, const HeldPartner& held, std::uint32_
   return isInBody(body, place, 0.0) ||
          std::any_of(t.edgesAround.begin(i), t.edgesAround.end(i),
                      [&](std::uint32_t edge) { return passesThrough(body, held, t.edges[edge], 0.0); });
-}
-
-/// Whether a point of the body is deep in a solid, or the middle of the solid deep in the body, or an edge
-/// passes through the solid, which may be thin.
-bool overlaps(const SoftBodyData& body, const HeldPartner& held, const Vector3d& middle) {
-  const double deepest = -2.0 * radiusOf(body);
-  for (std::uint32_t i = 0; i < pointCount(body); ++i)
-    if (nearestOnSolid(body, held, i).height < deepest) return true;
-  const std::vector<Edge>& edges = body.model->topology.edges;
-  return std::any_of(edges.begin(), edges.end(),
-                     [&](const Edge& edge) { return passesThrough(body, held, edge, 0.25 * deepest); }) ||
-         isInBody(body, middle, -deepest);
 }
 
 void findWaysOut(SoftBodyData& body) {

@@ -115,8 +115,7 @@ SoftBodySystem::~SoftBodySystem() {
 void SoftBodySystem::removeAll() {
   impl_->step->forgetGroups();
   impl_->springs.clear();
-  for (std::size_t i = impl_->bodies.size(); i-- > 0;)
-    impl_->step->pendingDestruction.push_back(impl_->bodies[i].get());
+  for (std::size_t i = impl_->bodies.size(); i-- > 0;) impl_->step->addPending(impl_->bodies[i].get());
   impl_->destroyPending();
 }
 
@@ -161,7 +160,7 @@ Result<SoftBody*> SoftBodySystem::createBody(const SharedNetwork& network, const
 
 Result<void> SoftBodySystem::destroyBody(SoftBody* body) {
   if (!impl_->owns(body)) return Error{"the soft body is not, or no longer, one of this system"};
-  impl_->step->pendingDestruction.push_back(body);
+  impl_->step->addPending(body);
   impl_->destroyPending();
   return {};
 }
@@ -178,9 +177,17 @@ void SoftBodySystem::Impl::destroyPending() {
 
 /// The callbacks of contacts that end may ask for more bodies, of any system, to be destroyed.
 void SoftBodySystem::Impl::WorldStep::destroyPending() {
-  for (std::size_t i = 0; i < pendingDestruction.size(); ++i)
-    for (Impl* system : systems) system->destroyNow(pendingDestruction[i]);
-  pendingDestruction.clear();
+  while (!pendingDestruction.empty()) {
+    SoftBody* body = pendingDestruction.front();
+    pendingDestruction.erase(pendingDestruction.begin());
+    for (Impl* system : systems) system->destroyNow(body);
+  }
+}
+
+/// A body that is listed twice would be one that no longer exists, or a new one at its address.
+void SoftBodySystem::Impl::WorldStep::addPending(SoftBody* body) {
+  if (std::find(pendingDestruction.begin(), pendingDestruction.end(), body) == pendingDestruction.end())
+    pendingDestruction.push_back(body);
 }
 
 void SoftBodySystem::Impl::destroyNow(SoftBody* body) {

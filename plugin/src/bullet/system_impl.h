@@ -121,6 +121,7 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   void divideBodies();
   /// Restores the manifolds, motors and springs that were hidden from Bullet's solver in a tick.
   void restoreBulletState();
+  void addPending(SoftBody* body);
   void destroyPending();
 
   btDiscreteDynamicsWorld* world = nullptr;
