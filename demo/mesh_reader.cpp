@@ -15,6 +15,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -103,6 +104,13 @@ void limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   setrlimit(resource, &changed);
 }
 
+/// Returns the size of the program's address space, bytes; 0 where the system does not tell.
+std::uint64_t addressSpace() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
 void limitChild(const ReadLimits& limits) {
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXCPU}) std::signal(signal, SIG_DFL);
   const int nowhere = open("/dev/null", O_WRONLY);
@@ -111,7 +119,9 @@ void limitChild(const ReadLimits& limits) {
   const auto seconds = static_cast<std::uint64_t>(limits.seconds);
   limit(RLIMIT_CORE, 0, 0);
   limit(RLIMIT_CPU, seconds, seconds + 1);  // SIGXCPU, and a second later SIGKILL
-  if (kLimitsMemory) limit(RLIMIT_AS, limits.bytes, limits.bytes);
+  if (!kLimitsMemory) return;
+  const std::uint64_t bytes = addressSpace() + limits.bytes;
+  limit(RLIMIT_AS, bytes, bytes);
 }
 
 /// Ends without the destructors and exit handlers of the program, which belong to the parent.

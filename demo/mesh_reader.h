@@ -14,7 +14,7 @@ namespace limber::demo {
 struct ReadLimits {
   int seconds = 60;        ///< of processor time
   int clockSeconds = 600;  ///< on the clock: on a busy machine the reader gets only a part of the processor
-  std::uint64_t bytes = std::uint64_t{4} << 30;  ///< of address space, with that of the program
+  std::uint64_t bytes = std::uint64_t{4} << 30;  ///< of address space, in addition to that of the program
 };
 
 using MeshReader = std::function<Result<TriangleMesh>(const std::string& path)>;
@@ -23,8 +23,8 @@ using MeshReader = std::function<Result<TriangleMesh>(const std::string& path)>;
 /// crash, an endless loop or the use of too much memory becomes an error that names the file and the cause.
 /// The child's output on stdout and stderr is dropped. It has the rights of the program: this is no
 /// protection against files that take over the reader. Systems without fork() call `reader` directly. Call it
-/// before the program starts threads: the child has only the calling thread, and waits in vain for a lock
-/// that another one held. (It is then ended as too slow.)
+/// when no other thread may hold a lock that `reader` needs, but for those of malloc: the child has only the
+/// calling thread, and waits in vain for them. (It is then ended as too slow.)
 Result<TriangleMesh> readMesh(const std::string& path, const ReadLimits& limits = {},
                               const MeshReader& reader = importMesh);
 

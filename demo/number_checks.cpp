@@ -46,7 +46,10 @@ CLI::Validator number(double low, double high) {
 
 CLI::Validator wholeNumber(double low, double high) {
   const auto check = [=](std::string& text) {
-    return allDigits(text) ? checkNumber(text, low, high) : text + " is not a whole number";
+    if (!allDigits(text)) return text + " is not a whole number";
+    // CLI11 reads such numbers as octal ones
+    if (text.size() > 1 && text[0] == '0') return text + " begins with a zero";
+    return checkNumber(text, low, high);
   };
   return CLI::Validator(check, "WHOLE");
 }

@@ -48,9 +48,12 @@ std::string checkWritable(const std::string& file) {
   return access(folder.c_str(), W_OK | X_OK) == 0 ? std::string() : cannotWrite(file, std::strerror(errno));
 }
 
-std::string writeText(const std::string& file, const std::string& text) {
+std::string writeText(const std::string& path, const std::string& text) {
   std::error_code error;
-  const bool special = isSpecial(file);
+  const bool special = isSpecial(path);
+  std::string file = path;
+  if (!special && fs::is_symlink(path, error)) file = fs::weakly_canonical(path, error).string();
+  if (file.empty()) return cannotWrite(path, error.message());
   const std::string part = special ? file : file + ".part" + std::to_string(getpid());
   if (const int failure = writeAll(part, text))
     error = std::error_code(failure, std::generic_category());

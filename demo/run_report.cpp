@@ -39,7 +39,7 @@ const char* modeName(PictureMode mode) {
   return mode == PictureMode::Shaded ? "shaded" : "wireframe";
 }
 
-/// Numbers that are not finite are null in JSON.
+/// Missing numbers are null in JSON.
 Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json optionsJson(const DemoOptions& o) {

@@ -269,9 +269,7 @@ void SceneView::draw(const Shot& shot) {
   rigidBodies_.write(frame, shot.tickFraction, 1.0 / static_cast<double>(scenes::kTicksPerSecond));
   render::Overlay& lines = overlay_.draw(shot.overlay, shot.camera.eye);
   lines.insert(lines.end(), shot.marks.begin(), shot.marks.end());
-  render::Light light = lightOf(scene_.view);
-  light.shadows = shot.shadows;
-  renderer_.draw(frame, shot.camera, light, drawOptions(shot, renderer_.quality()), lines);
+  renderer_.draw(frame, shot.camera, shot.light, drawOptions(shot, renderer_.quality()), lines);
 }
 
 namespace {
@@ -299,6 +297,7 @@ SceneRenderer::SceneRenderer(const scenes::Scene& scene, const DemoOptions& opti
 void SceneRenderer::draw(const Moment& moment, render::Image& image) {
   Shot shot;
   if (scene_.view.follows) follow(seen_, scene_.view, scene_);
+  shot.light = lightOf(seen_);
   shot.camera = cameraAt(seen_, options_, moment.share);
   shot.tickFraction = moment.tickFraction;
   shot.mode = options_.mode;

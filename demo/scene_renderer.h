@@ -62,7 +62,7 @@ struct Shot {
   double tickFraction = 1.0;  ///< of the last tick
   PictureMode mode = PictureMode::Shaded;
   OverlayChoice overlay;
-  bool shadows = true;
+  render::Light light;
   render::Overlay marks;  ///< further lines
 };
 

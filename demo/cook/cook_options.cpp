@@ -111,6 +111,10 @@ constexpr std::initializer_list<const char*> kByHand{"--braces",   "--brace-weig
                                                      "--seconds",  "--masses",       "--weld",
                                                      "--material", "--spacing",      "--neighbours"};
 
+constexpr std::initializer_list<const char*> kCooking{
+    "--braces", "--brace-weight", "--max-braces", "--seconds", "--masses", "--weld",   "--points",
+    "--skin",   "--neighbours",   "--material",   "--spacing", "--length", "--connect"};
+
 constexpr char kByHandTitle[] =
     "By hand (any of these replaces the automatic choice: braces, or tetrahedra with --material)";
 
@@ -124,13 +128,15 @@ std::string firstGiven(const CLI::App& app, std::initializer_list<const char*> o
 /// Returns the reason why valid files do not fit together, or an empty string.
 std::string fileConflict(const CLI::App& app) {
   if (given(app, "--report")) {
-    const std::string other =
-        firstGiven(app, {"MESH", "--out", "--braces", "--brace-weight", "--max-braces", "--seconds",
-                         "--masses", "--weld", "--points", "--skin", "--neighbours", "--material",
-                         "--spacing", "--length", "--connect"});
+    std::string other = firstGiven(app, {"MESH", "--out"});
+    if (other.empty()) other = firstGiven(app, kCooking);
     return other.empty() ? other : other + " has no meaning with --report: nothing is cooked";
   }
   if (!given(app, "MESH")) return "a MESH to cook is missing, or --report BODY.limber";
+  if (scenes::isLimberFile(app.get_option("MESH")->as<std::string>())) {
+    const std::string other = firstGiven(app, kCooking);
+    if (!other.empty()) return other + " has no meaning for a .limber file, which is cooked already";
+  }
   return given(app, "--out") ? std::string() : "-o BODY.limber is missing";
 }
 

@@ -57,7 +57,7 @@ std::string addBanner(Scene& scene, const SceneOptions& options) {
 }
 
 std::string addBlock(Scene& scene, const SceneOptions& options) {
-  const Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  const Result<SharedNetwork> cube = cubeNetwork();
   if (!cube) return cube.error();
   TriangleMesh mesh;
   mesh.positions = (*cube)->restPoints;

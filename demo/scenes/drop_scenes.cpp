@@ -65,7 +65,7 @@ std::string dropBodies(Scene& scene, const DroppedShape& shape, const SceneOptio
 }  // namespace
 
 SceneResult createCubes(const SceneOptions& options) {
-  Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  Result<SharedNetwork> cube = cubeNetwork();
   if (!cube) return Error{cube.error()};
   const DroppedShape shape = measure(*cube, options.scale.value_or(1.0));
   auto scene = std::make_unique<Scene>();
@@ -87,14 +87,6 @@ const Eigen::Vector3f kBracedColour(0.16f, 0.58f, 0.55f);
 /// Largest RMS error of shape, relative to the size. With k = 20 N/m a cube of 1 kg sags by 0.06; a folded
 /// one has an error of 0.2 or more.
 constexpr double kMaxShapeError = 0.1;
-
-Result<SharedNetwork> cube(BraceRule braces) {
-  const Result<TriangleMesh> mesh = importMesh(LIMBER_MESH_DIR "/cube.obj");
-  if (!mesh) return Error{mesh.error()};
-  NetworkSettings settings;
-  settings.braces = braces;
-  return buildNetwork(*mesh, settings);
-}
 
 /// Checks the braced bodies: every second one.
 std::string checkBraced(const Scene& scene) {
@@ -129,7 +121,7 @@ void addFloorAndView(Scene& scene, double half) {
 }  // namespace
 
 SceneResult createCollapse(const SceneOptions& options) {
-  const Result<SharedNetwork> bare = cube(BraceRule::None), braced = cube(BraceRule::Pipeline);
+  const Result<SharedNetwork> bare = cubeNetwork(BraceRule::None), braced = cubeNetwork(BraceRule::Pipeline);
   if (!bare || !braced) return Error{bare ? braced.error() : bare.error()};
   auto scene = std::make_unique<Scene>();
   SoftBodySettings settings = SoftBodySettings::paper();

@@ -79,7 +79,7 @@ SoftBodySettings cubeSettings(const SceneOptions& options) {
 }  // namespace
 
 SceneResult createMarble(const SceneOptions& options) {
-  const Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  const Result<SharedNetwork> cube = cubeNetwork();
   if (!cube) return Error{cube.error()};
   const std::uint32_t count = options.count.value_or(2);
   const double half = 0.5 * kSpacing * double(count - 1);

@@ -32,13 +32,12 @@ bool isLimberFile(const std::string& file) {
   return file.size() > ending.size() && file.compare(file.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-Result<SharedNetwork> readNetwork(const std::string& file) {
-  if (isLimberFile(file)) return loadNetwork(file);
-  const Result<TriangleMesh> mesh = demo::readMesh(file);
+Result<SharedNetwork> cubeNetwork(BraceRule braces) {
+  const Result<TriangleMesh> mesh = importMesh(LIMBER_MESH_DIR "/cube.obj");
   if (!mesh) return Error{mesh.error()};
-  Result<SharedNetwork> network = buildNetwork(*mesh);
-  if (!network) return Error{file + ": " + network.error()};
-  return network;
+  NetworkSettings settings;
+  settings.braces = braces;
+  return buildNetwork(*mesh, settings);
 }
 
 namespace {

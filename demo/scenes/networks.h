@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limber/cook.h>
+#include <limber/network_builder.h>
 #include <limber/result.h>
 #include <limber/spring_network.h>
 
@@ -12,8 +13,8 @@ namespace limber::scenes {
 /// Returns true if the file's name ends in ".limber": a cooked body.
 bool isLimberFile(const std::string& file);
 
-/// Reads a cooked body, or builds the network of a mesh with the default settings. Errors name the file.
-Result<SharedNetwork> readNetwork(const std::string& file);
+/// Builds the network of the demo's cube: 8 points, edges of 1 m. Errors name the file.
+Result<SharedNetwork> cubeNetwork(BraceRule braces = BraceRule::Pipeline);
 
 /// Surfaces with smaller angles at all edges look best with smooth shading: 60 degrees in radians.
 constexpr double kSmoothBend = 1.0472;

@@ -77,7 +77,7 @@ Check checkDraughts() {
 }  // namespace
 
 SceneResult createPool(const SceneOptions& options) {
-  const Result<SharedNetwork> network = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  const Result<SharedNetwork> network = cubeNetwork();
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
   addFloor(*scene, 12.0);

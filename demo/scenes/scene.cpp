@@ -48,9 +48,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// a box that is not finite counts as infinite
+// a box that is not finite counts as infinite; a box of points that are not finite is empty
 double diagonal(const Eigen::AlignedBox3d& box) {
-  if (box.isEmpty()) return 0.0;
+  if (box.isEmpty()) return kInfinity;
   const double length = box.diagonal().norm();
   return std::isfinite(length) ? length : kInfinity;
 }
@@ -80,13 +80,6 @@ double RestWatch::largestMotion(std::size_t body) const {
   for (std::size_t i = firstPoint_[body]; i < firstPoint_[body + 1]; ++i) {
     largest = std::max({largest, diagonal(present_[i]), diagonal(before_[i])});
   }
-  return largest;
-}
-
-double RestWatch::largestMotion() const {
-  if (firstPoint_.size() < 2) return kInfinity;
-  double largest = 0.0;
-  for (std::size_t b = 0; b + 1 < firstPoint_.size(); ++b) largest = std::max(largest, largestMotion(b));
   return largest;
 }
 

@@ -67,10 +67,8 @@ class RestWatch {
   /// Reads the positions; call it once after every tick.
   void look(const SoftBodySystem& soft);
 
-  /// Returns the largest diagonal of a point's box in the last 0.5 to 1 s, m; infinite in the first half
-  /// second and for points that are not finite.
-  double largestMotion() const;
-  /// The same for the points of one body.
+  /// Returns the largest diagonal of the box of a point of the body in the last 0.5 to 1 s, m; infinite in
+  /// the first half second and for points that are not finite.
   double largestMotion(std::size_t body) const;
 
  private:

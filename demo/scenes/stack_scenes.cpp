@@ -52,7 +52,7 @@ SoftBodySettings cubeSettings(const SceneOptions& options) {
 }  // namespace
 
 SceneResult createStack(const SceneOptions& options) {
-  const Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  const Result<SharedNetwork> cube = cubeNetwork();
   if (!cube) return Error{cube.error()};
   const std::uint32_t count = options.count.value_or(10);
   auto scene = std::make_unique<Scene>();
@@ -120,9 +120,8 @@ SoftBodySettings blockSettings(const SceneOptions& options) {
 }
 
 /// Nudges the topmost plate once, when everything is at rest.
-void nudgeTop(Scene& scene) {
+void nudge(btRigidBody& top, const Scene& scene) {
   if (scene.ticks != kNudgeTick) return;
-  btRigidBody& top = *scene.world->movables.back();
   top.activate(true);
   top.applyCentralImpulse(btVector3(btScalar(kNudge), 0, 0));
 }
@@ -130,7 +129,7 @@ void nudgeTop(Scene& scene) {
 }  // namespace
 
 SceneResult createTower(const SceneOptions& options) {
-  const Result<SharedNetwork> cube = readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  const Result<SharedNetwork> cube = cubeNetwork();
   if (!cube) return Error{cube.error()};
   const std::uint32_t count = options.count.value_or(4);
   auto scene = std::make_unique<Scene>();
@@ -149,7 +148,7 @@ SceneResult createTower(const SceneOptions& options) {
     addBox(*scene, {0.0, base + 2.0 * kThinRadius + kBlock + kGap + kPlateThick, 0.0},
            {kPlateHalf, kPlateThick, kPlateHalf}, kPlateMass, kPlateColour);
   }
-  scene->beforeTick = nudgeTop;
+  scene->beforeTick = [top = scene->world->movables.back().get()](Scene& s) { nudge(*top, s); };
   scene->view.box =
       Eigen::AlignedBox3d(Eigen::Vector3d(-0.8, 0, -0.8), Eigen::Vector3d(0.8, kFloorHeight * count, 0.8));
   scene->endChecks = {checkFinite,     checkAboveFloor,         checkTower,       checkRigidApart(kMaxDepth),

@@ -214,6 +214,7 @@ std::string Session::show(const Command& command) {
   layers_[layer] = command.numbers[0] != 0.0;
   if (static_cast<Layer>(layer) != Layer::Split || layers_[layer] == before) return {};
   camera_ = framedCamera(*scene_, layout(size_).view);
+  hand_.release();  // its springs are none of the scene, which btSoftBody must be able to play
   if (layers_[layer] && bullet_soft::BulletTwin::problemOf(*scene_).empty()) return restart();
   createTwin();
   return {};

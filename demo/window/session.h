@@ -7,6 +7,7 @@
 #include "window/orbit_camera.h"
 #include "window/picking.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -65,7 +66,7 @@ inline ViewLayout layoutOf(const WindowSize& window, bool split, bool panel, dou
   if (!split) return layout;
   const int strip = static_cast<int>(kPanelStrip * scale);
   if (panel && window.width >= kNarrow * strip) layout.left = strip;
-  layout.view.width = (window.width - layout.left) / 2;
+  layout.view.width = std::max(1, (window.width - layout.left) / 2);
   return layout;
 }
 

@@ -41,9 +41,7 @@ void TwinView::draw(const Shot& shot) {
   for (std::size_t b = 0; b < instances_.size(); ++b)
     twin_.writePositions(b, frame.points(instances_[b]), shot.tickFraction);
   rigidBodies_.write(frame, shot.tickFraction, 1.0 / static_cast<double>(scenes::kTicksPerSecond));
-  render::Light light = lightOf(twin_.scene().view);
-  light.shadows = shot.shadows;
-  renderer_.draw(frame, shot.camera, light, drawOptions(shot, renderer_.quality()), shot.marks);
+  renderer_.draw(frame, shot.camera, shot.light, drawOptions(shot, renderer_.quality()), shot.marks);
 }
 
 // --- the stage ---------------------------------------------------------------------------------------------
@@ -102,6 +100,8 @@ render::Overlay twinMarksOf(const Session& session) {
   if (!hand.soft()) return marks;
   const render::Vec3 place = toVec3(hand.place());
   const std::size_t body = indexOf(session.scene(), hand.soft());
+  // btSoftBody has no points that a cut has made
+  if (body >= twin.bodyCount() || hand.point() >= twin.pointCount(body)) return marks;
   marks.push_back({toVec3(twin.position(body, hand.point())), place, kPullColour, kPullWidth});
   render::addCross(marks, place, size, kPullColour, kPullWidth);
   return marks;
@@ -117,7 +117,8 @@ Shot shotOf(const Session& session, double tickFraction) {
   shot.overlay.velocities = session.shows(Layer::Velocities);
   shot.overlay.constraints = session.shows(Layer::Constraints);
   shot.overlay.islands = session.shows(Layer::Islands);
-  shot.shadows = session.shows(Layer::Shadows);
+  shot.light = lightOf(session.scene().view);
+  shot.light.shadows = session.shows(Layer::Shadows);
   shot.marks = marksOf(session);
   return shot;
 }

@@ -4,12 +4,12 @@ layout(std430, binding = 3) readonly buffer Lines { vec4 ends[]; };
 flat out vec3 colour;
 
 #ifdef ON_SCREEN
-// Ends in pixels from the upper left. The stroke is longer than the line by its width, to close corners of polylines.
+// Ends in pixels from the upper left. The stroke ends where the line does.
 vec4 strokeCorner(vec2 from, vec2 to, uint corner, float width) {
   vec2 along = 0.5 * width * normalize(to - from);
   bool atEnd = corner == 1u || corner == 2u || corner == 4u;
   float side = corner == 2u || corner == 4u || corner == 5u ? 1.0 : -1.0;
-  vec2 pixel = (atEnd ? to + along : from - along) + side * vec2(-along.y, along.x);
+  vec2 pixel = (atEnd ? to : from) + side * vec2(-along.y, along.x);
   return vec4(2.0 * pixel.x / frame.viewport.x - 1.0, 1.0 - 2.0 * pixel.y / frame.viewport.y, 0.0, 1.0);
 }
 #endif

@@ -129,13 +129,14 @@ std::unique_ptr<GlContext> createOsmesaContext() { return std::make_unique<Osmes
 namespace {
 
 // X(member, EGL name, function type)
-#define LIMBER_EGL_FUNCTIONS(X)                                    \
-  X(bindApi, "eglBindAPI", PFNEGLBINDAPIPROC)                      \
-  X(createContext, "eglCreateContext", PFNEGLCREATECONTEXTPROC)    \
-  X(destroyContext, "eglDestroyContext", PFNEGLDESTROYCONTEXTPROC) \
-  X(getError, "eglGetError", PFNEGLGETERRORPROC)                   \
-  X(getProc, "eglGetProcAddress", PFNEGLGETPROCADDRESSPROC)        \
-  X(initialize, "eglInitialize", PFNEGLINITIALIZEPROC)             \
+#define LIMBER_EGL_FUNCTIONS(X)                                      \
+  X(bindApi, "eglBindAPI", PFNEGLBINDAPIPROC)                        \
+  X(createContext, "eglCreateContext", PFNEGLCREATECONTEXTPROC)      \
+  X(destroyContext, "eglDestroyContext", PFNEGLDESTROYCONTEXTPROC)   \
+  X(getCurrent, "eglGetCurrentContext", PFNEGLGETCURRENTCONTEXTPROC) \
+  X(getError, "eglGetError", PFNEGLGETERRORPROC)                     \
+  X(getProc, "eglGetProcAddress", PFNEGLGETPROCADDRESSPROC)          \
+  X(initialize, "eglInitialize", PFNEGLINITIALIZEPROC)               \
   X(makeCurrent, "eglMakeCurrent", PFNEGLMAKECURRENTPROC)
 
 struct Egl {
@@ -227,7 +228,9 @@ class EglGlContext final : public GlContext {
 
   // The display stays initialised, because all users of EGL in this process share it.
   ~EglGlContext() override {
-    release();
+    if (egl_.getCurrent() == context_) {
+      release();
+    }
     egl_.destroyContext(display_, context_);
   }
 

@@ -97,7 +97,7 @@ bool isSoftwareRasteriser(std::string_view renderer) {
   });
 }
 
-void checkGlErrors(const Gl& gl, const char* where) {
+std::string takeGlErrors(const Gl& gl) {
   std::string errors;
   // The loop is bounded, because a lost context returns errors for ever.
   for (int i = 0; i < 8; ++i) {
@@ -107,6 +107,11 @@ void checkGlErrors(const Gl& gl, const char* where) {
     }
     errors += std::string(" ") + errorName(error);
   }
+  return errors;
+}
+
+void checkGlErrors(const Gl& gl, const char* where) {
+  const std::string errors = takeGlErrors(gl);
   if (!errors.empty()) {
     throw std::runtime_error(std::string(where) + ":" + errors);
   }
@@ -117,11 +122,9 @@ GlBuffer makeBuffer(const Gl& gl, std::size_t bytes, const void* data, GLbitfiel
   gl.CreateBuffers(1, &name);
   const std::size_t size = std::max<std::size_t>(bytes, 1);
   GlBuffer buffer(gl, name, size);
-  // Clear older errors, so that they are not attributed to this call.
-  while (gl.GetError() != GL_NO_ERROR) {
-  }
+  takeGlErrors(gl);
   gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(size), data, flags);
-  if (gl.GetError() != GL_NO_ERROR) {
+  if (!takeGlErrors(gl).empty()) {
     throw std::runtime_error("the driver refused a buffer of " + std::to_string(size) + " bytes");
   }
   return buffer;

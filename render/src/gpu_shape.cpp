@@ -117,11 +117,11 @@ void uploadSurface(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
 }
 
 // A storage block larger than the driver's limit would be truncated without an error.
-void requireBindable(const Gl& gl, const std::string& name, std::size_t bytes) {
+void requireBindable(const Gl& gl, const ShapeDesc& desc, const char* what, std::size_t bytes) {
   GLint64 maxBytes = 0;
   gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maxBytes);
   if (bytes > static_cast<std::size_t>(maxBytes)) {
-    throw std::runtime_error("shape \"" + name + "\": the skin's weights take " + std::to_string(bytes) +
+    throw std::runtime_error("shape \"" + desc.name + "\": " + what + " take " + std::to_string(bytes) +
                              " bytes, but this driver can bind " + std::to_string(maxBytes));
   }
 }
@@ -134,13 +134,14 @@ void uploadSkin(const Gl& gl, const ShapeDesc& desc, GpuSkin& skin) {
     skin.first = upload(gl, desc.skin.first);
     skin.weights = upload(gl, sparseWeights(desc.skin));
   }
-  requireBindable(gl, desc.name, skin.weights.bytes());
+  requireBindable(gl, desc, "the skin's weights", skin.weights.bytes());
 }
 
 void uploadAdjacency(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
   const NormalAdjacency adjacency = makeNormalAdjacency(desc);
   shape.adjacencyOffsets = upload(gl, adjacency.offsets);
   shape.adjacencyCorners = upload(gl, adjacency.corners);
+  requireBindable(gl, desc, "the triangles around points", shape.adjacencyCorners.bytes());
 }
 
 void addComputeInput(const Gl& gl, const ShapeDesc& desc, GpuShape& shape) {
@@ -201,6 +202,7 @@ GpuShape makeGpuShape(const Gl& gl, const ShapeDesc& desc, bool computeOnCpu) {
   if (!desc.lines.empty()) {
     shape.lineCount = static_cast<GLsizei>(desc.lines.size() / 2);
     shape.lines = upload(gl, packLines(desc));
+    requireBindable(gl, desc, "the lines", shape.lines.bytes());
   }
   return shape;
 }

@@ -104,10 +104,13 @@ void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int heigh
   }
   // Copy the bytes unchanged: the colours are already encoded, whatever the format of the target is.
   gl_.Disable(GL_FRAMEBUFFER_SRGB);
+  takeGlErrors(gl_);
   const bool sameSize = width == width_ && height == height_;
   gl_.BlitNamedFramebuffer(readable(), framebuffer, 0, 0, width_, height_, x, y + height, x + width, y,
                            GL_COLOR_BUFFER_BIT, sameSize ? GL_NEAREST : GL_LINEAR);
   gl_.Enable(GL_FRAMEBUFFER_SRGB);
+  // such as for a framebuffer with samples and another size
+  checkGlErrors(gl_, "blitTo");
 }
 
 namespace {
@@ -229,7 +232,12 @@ GlTexture TextureArray::make(std::uint32_t layers) const {
   GLuint name = 0;
   gl_.CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
   GlTexture texture(gl_, name, bytes);
+  takeGlErrors(gl_);
   gl_.TextureStorage3D(name, levels_, GL_SRGB8_ALPHA8, size_, size_, static_cast<GLsizei>(layers));
+  if (!takeGlErrors(gl_).empty()) {
+    throw std::runtime_error("the driver refused " + std::to_string(layers) + " textures of " +
+                             std::to_string(size_) + " x " + std::to_string(size_) + " pixels");
+  }
   gl_.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   gl_.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl_.TextureParameteri(name, GL_TEXTURE_WRAP_S, GL_REPEAT);

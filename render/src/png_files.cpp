@@ -59,12 +59,20 @@ class AtomicFile {
   bool named_ = false;
 };
 
+constexpr int kMaxLinks = 40;  // as Linux
+
 // Returns what a path leads to, through links. Throws if that is a folder or a device: renaming a file to it
 // would replace it.
 std::string fileAt(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  const fs::path target = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : fs::path(path);
+  fs::path target = path;
+  for (int links = 0; fs::is_symlink(target, error); ++links) {
+    if (links == kMaxLinks) {
+      throw std::runtime_error("cannot write " + path + ": too many levels of symbolic links");
+    }
+    target = target.parent_path() / fs::read_symlink(target, error);
+  }
   if (fs::exists(target, error) && !fs::is_regular_file(target, error)) {
     throw std::runtime_error("cannot write " + path + ": it is no regular file");
   }

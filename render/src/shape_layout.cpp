@@ -202,6 +202,9 @@ std::string checkPattern(const ShapeDesc& desc) {
 }
 
 std::string checkSkinRows(const std::vector<std::uint32_t>& first, std::size_t weights) {
+  if (first.size() < 2) {
+    return "skin.first has one entry, but a skin with places has one more than places";
+  }
   if (first.front() != 0 || first.back() != weights) {
     return "skin.first goes from " + number(first.front()) + " to " + number(first.back()) +
            ", but must go from 0 to the " + number(weights) + " weights";

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <random>
 #include <stdexcept>
 #include <system_error>
 #include <vector>
@@ -41,23 +42,30 @@ std::string findOnPath(const std::string& program) {
   return {};
 }
 
-std::vector<std::string> ffmpegArguments(const VideoDesc& desc) {
+// Returns the file that ffmpeg writes, beside the video: its ending tells ffmpeg the format.
+std::string partOf(const std::string& path) {
+  const std::filesystem::path file(path);
+  const std::string name = "part" + std::to_string(std::random_device{}()) + "-" + file.filename().string();
+  return (file.parent_path() / name).string();
+}
+
+std::vector<std::string> ffmpegArguments(const VideoDesc& desc, const std::string& file) {
   const std::string size = std::to_string(desc.width) + "x" + std::to_string(desc.height);
   // Players need a pixel format with even sizes, so the picture is padded.
-  return {"ffmpeg",    "-y",
-          "-loglevel", "error",
-          "-f",        "rawvideo",
-          "-pix_fmt",  "rgba",
-          "-s",        size,
-          "-r",        std::to_string(desc.framesPerSecond),
-          "-i",        "-",
-          "-vf",       "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-          "-c:v",      "libx264",
-          "-preset",   desc.preset,
-          "-crf",      std::to_string(desc.quality),
-          "-pix_fmt",  "yuv420p",
-          "-movflags", "+faststart",
-          desc.path};
+  return {"ffmpeg",      "-y",
+          "-loglevel",   "error",
+          "-f",          "rawvideo",
+          "-pix_fmt",    "rgba",
+          "-s",          size,
+          "-r",          std::to_string(desc.framesPerSecond),
+          "-i",          "-",
+          "-vf",         "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+          "-c:v",        "libx264",
+          "-preset",     desc.preset,
+          "-crf",        std::to_string(desc.quality),
+          "-pix_fmt",    "yuv420p",
+          "-movflags",   "+faststart",
+          "file:" + file};
 }
 
 // Blocks SIGPIPE on this thread and removes the pending one that a failed write leaves.
@@ -103,8 +111,7 @@ class SpawnActions {
   posix_spawn_file_actions_t actions_{};
 };
 
-pid_t spawn(const std::string& program, const VideoDesc& desc, int input, int messages) {
-  std::vector<std::string> arguments = ffmpegArguments(desc);
+pid_t spawn(const std::string& program, std::vector<std::string> arguments, int input, int messages) {
   std::vector<char*> argv;
   argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) {
@@ -124,12 +131,13 @@ pid_t spawn(const std::string& program, const VideoDesc& desc, int input, int me
 
 bool VideoPipe::available() { return !findOnPath("ffmpeg").empty(); }
 
-VideoPipe::VideoPipe(const VideoDesc& desc) : desc_(desc), messages_(std::tmpfile()) {
+VideoPipe::VideoPipe(const VideoDesc& desc) : desc_(desc), part_(partOf(desc.path)) {
   const std::string program = findOnPath("ffmpeg");
   if (program.empty()) {
     throw std::runtime_error("cannot write " + desc.path +
                              ": there is no ffmpeg on PATH; install it or write PNG files instead");
   }
+  messages_.reset(std::tmpfile());
   std::array<int, 2> ends{-1, -1};
   // Closed on exec, so that other child processes cannot keep the pipe open.
   if (messages_ == nullptr || pipe2(ends.data(), O_CLOEXEC) != 0) {
@@ -141,7 +149,7 @@ VideoPipe::VideoPipe(const VideoDesc& desc) : desc_(desc), messages_(std::tmpfil
   fcntl(input_, F_SETPIPE_SZ, kPipeBytes);
 #endif
   try {
-    process_ = spawn(program, desc, ends[0], fileno(messages_.get()));
+    process_ = spawn(program, ffmpegArguments(desc, part_), ends[0], fileno(messages_.get()));
   } catch (...) {
     close(ends[0]);
     closeInput();
@@ -151,8 +159,9 @@ VideoPipe::VideoPipe(const VideoDesc& desc) : desc_(desc), messages_(std::tmpfil
 }
 
 VideoPipe::~VideoPipe() {
-  closeInput();
-  waitForExit();
+  if (process_ >= 0 && end()) {
+    std::rename(part_.c_str(), desc_.path.c_str());
+  }
 }
 
 void VideoPipe::write(const Image& image) {
@@ -183,16 +192,16 @@ void VideoPipe::finish() {
   if (process_ < 0) {
     return;
   }
-  closeInput();
-  const int status = waitForExit();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+  if (!end()) {
     throw std::runtime_error("ffmpeg failed to write " + desc_.path + ffmpegMessages());
+  }
+  if (std::rename(part_.c_str(), desc_.path.c_str()) != 0) {
+    throw std::runtime_error("cannot write " + desc_.path + ": " + std::strerror(errno));
   }
 }
 
 void VideoPipe::failWrite(int error) {
-  closeInput();
-  waitForExit();
+  end();
   throw std::runtime_error("ffmpeg stopped while writing " + desc_.path + " (" + std::strerror(error) + ")" +
                            ffmpegMessages());
 }
@@ -204,16 +213,17 @@ void VideoPipe::closeInput() noexcept {
   input_ = -1;
 }
 
-int VideoPipe::waitForExit() noexcept {
+bool VideoPipe::end() noexcept {
+  closeInput();
   int status = 0;
   while (process_ >= 0 && waitpid(process_, &status, 0) < 0 && errno == EINTR) {
   }
   process_ = -1;
-  std::error_code ignored;
-  if (status != 0 && std::filesystem::is_regular_file(desc_.path, ignored)) {
-    std::remove(desc_.path.c_str());
+  const bool encoded = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (!encoded) {
+    std::remove(part_.c_str());
   }
-  return status;
+  return encoded;
 }
 
 std::string VideoPipe::ffmpegMessages() const {

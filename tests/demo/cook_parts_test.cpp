@@ -218,7 +218,10 @@ TEST(OutputFiles, textsAreWrittenWholeOrNotAtAll) {
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), "two\n");
   EXPECT_NE(writeText(folder.path() + "/none/a.json", "three"), "");
   EXPECT_NE(writeText("/dev/full", "four"), "");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+  fs::create_symlink("a.json", folder.path() + "/link.json");
+  EXPECT_EQ(writeText(folder.path() + "/link.json", "five\n"), "");
+  EXPECT_TRUE(fs::is_symlink(folder.path() + "/link.json"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 2);
 }
 
 std::string progressText(const std::vector<std::pair<const char*, double>>& calls, double patience = 0.0) {
@@ -252,14 +255,15 @@ TEST(StageProgress, whatIsOverAtOnceIsNotShown) {
   EXPECT_EQ(progressText({{"first", 0.0}, {"first", 0.5}, {"first", 1.0}, {"second", 0.5}}, 1000.0), "");
 }
 
-TEST(ReadNetwork, cookedBodiesAreLoadedAsTheyAre) {
+TEST(ReadBodies, cookedOnesAreLoadedAsTheyAre) {
   const TemporaryFolder folder;
   const std::string file = folder.path() + "/cloth.limber";
   const SharedNetwork cloth = *buildCloth();
   ASSERT_EQ(saveNetwork(*cloth, file).error(), "");
-  const Result<SharedNetwork> loaded = scenes::readNetwork(file);
+  const Result<CookedMesh> loaded = scenes::readBodies(file, {}, {});
   ASSERT_TRUE(loaded) << loaded.error();
-  EXPECT_EQ(toBytes(**loaded), toBytes(*cloth));
+  ASSERT_EQ(loaded->bodies.size(), 1u);
+  EXPECT_EQ(toBytes(*loaded->bodies.front()), toBytes(*cloth));
   EXPECT_FALSE(scenes::isLimberFile("cloth.obj"));
   EXPECT_FALSE(scenes::isLimberFile(".limber"));
 }

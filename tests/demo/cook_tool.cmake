@@ -58,6 +58,7 @@ cook_run(length_and_braces unit 2 "--length has no meaning with --braces" ${mesh
   --length 2)
 cook_run(few_points unit 2 "7 is not between 8" ${meshes}/cube.obj -o a.limber --points 7)
 cook_run(report_and_mesh unit 2 "MESH has no meaning with --report" ${meshes}/cube.obj --report a.limber)
+cook_run(cooked_and_points unit 2 "--points has no meaning for a .limber file" a.limber -o b.limber --points 50)
 cook_run(report_and_rule unit 2 "--braces has no meaning with --report" --report a.limber --braces none)
 cook_run(cap_without_pipeline unit 2 "--max-braces has no meaning with --braces none" ${meshes}/cube.obj -o a.limber
   --braces none --max-braces 1)

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 /// Returns a cube with edges of 1 m.
 const SpringNetwork& cube() {
-  static const SharedNetwork network = *readNetwork(LIMBER_MESH_DIR "/cube.obj");
+  static const SharedNetwork network = *cubeNetwork();
   return *network;
 }
 

@@ -206,7 +206,8 @@ class Video : public Pictures {
 
 TEST_F(Video, failureLosesNothingElse) {
   installFfmpeg(
-      "#!/bin/sh\nfor v; do :; done\nhead -c 9 >\"$v\"\necho 'No space left on device' >&2\nexit 1\n");
+      "#!/bin/sh\nfor v; do :; done\nhead -c 9 >\"${v#file:}\"\necho 'No space left on device' >&2\nexit "
+      "1\n");
   const std::vector<render::Image> frames = noiseImages(9);
   EXPECT_EQ(write(frames), "");
   EXPECT_NE(videoProblem.find(path(kVideoName)), std::string::npos) << videoProblem;
@@ -223,7 +224,7 @@ TEST_F(Video, programThatCannotBeStartedLosesNothingElse) {
 }
 
 TEST_F(Video, isThereWhenAllIsWell) {
-  installFfmpeg("#!/bin/sh\nfor v; do :; done\nexec cat >\"$v\"\n");
+  installFfmpeg("#!/bin/sh\nfor v; do :; done\nexec cat >\"${v#file:}\"\n");
   EXPECT_EQ(write(noiseImages(3)), "");
   EXPECT_EQ(videoProblem, "");
   EXPECT_EQ(bytes(kVideoName).size(), 3u * 4u * kWidth * kHeight);

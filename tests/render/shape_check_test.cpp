@@ -59,6 +59,9 @@ TEST(ShapeCheck, SkinsThatDoNotFitAreNamed) {
   desc.skin.weights.pop_back();
   EXPECT_EQ(validate(desc), "skin.points has 8 entries for 7 weights");
   desc = good;
+  desc.skin = {{0}, {}, {}};
+  EXPECT_EQ(validate(desc), "skin.first has one entry, but a skin with places has one more than places");
+  desc = good;
   desc.skin.first.back() = 7;
   EXPECT_EQ(validate(desc), "skin.first goes from 0 to 7, but must go from 0 to the 8 weights");
   desc = good;

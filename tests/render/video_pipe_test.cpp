@@ -74,7 +74,7 @@ TEST_F(VideoPipeTest, MissingFfmpegIsAClearError) {
 }
 
 TEST_F(VideoPipeTest, FramesArriveWholeAndInOrder) {
-  installFfmpeg("for last; do :; done\nexec cat > \"$last\"");
+  installFfmpeg("for last; do :; done\nexec cat > \"${last#file:}\"");
   ASSERT_TRUE(VideoPipe::available());
   VideoPipe pipe(desc());
   for (std::uint8_t i = 0; i < 5; ++i) {
@@ -103,7 +103,9 @@ TEST_F(VideoPipeTest, DyingFfmpegIsReportedWithItsWords) {
 }
 
 TEST_F(VideoPipeTest, FailureAtTheEndIsReportedByFinish) {
-  installFfmpeg("for last; do :; done\nhead -c 9 > \"$last\"\ncat > /dev/null\necho 'disk full' >&2\nexit 1");
+  installFfmpeg(
+      "for last; do :; done\nhead -c 9 > \"${last#file:}\"\ncat > /dev/null\necho 'disk full' >&2\nexit 1");
+  std::ofstream(desc().path) << "an older video";
   const std::string text = errorOf([&] {
     VideoPipe pipe(desc());
     pipe.write(frame(1));
@@ -111,7 +113,8 @@ TEST_F(VideoPipeTest, FailureAtTheEndIsReportedByFinish) {
   });
   EXPECT_NE(text.find("failed to write"), std::string::npos) << text;
   EXPECT_NE(text.find("disk full"), std::string::npos) << text;
-  EXPECT_FALSE(fs::exists(desc().path)) << "half a video";
+  EXPECT_EQ(fs::file_size(desc().path), 14u) << "the older one stays";
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "and ffmpeg; half a video goes";
 }
 
 TEST_F(VideoPipeTest, WrongFrameSizeIsRefused) {

@@ -9,6 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <exception>
+#include <limits>
+
 #include "test_scene.h"
 
 namespace limber::view {
@@ -101,6 +104,39 @@ TEST_F(RigidViewTest, ANewShapeOfABodyIsSeen) {
   EXPECT_EQ(view.objectCount(), 1u);
   EXPECT_NE(stage.renderer().readPixels().rgba, sphere.rgba);
   body->setCollisionShape(old);
+}
+
+TEST_F(RigidViewTest, AnObjectInTheMemoryOfAnOldOneIsANewOne) {
+  btRigidBody* body = addSphere(0.5, vec(0, 0, 0));
+  int looks = 0;
+  RigidView view(stage.renderer(), *bullet.world, [&](const btCollisionObject&) {
+    ++looks;
+    return render::InstanceLook{};
+  });
+  view.update();
+  EXPECT_EQ(looks, 1);
+  bullet.world->removeRigidBody(body);
+  bullet.world->addRigidBody(body);
+  view.update();
+  EXPECT_EQ(looks, 2);
+  EXPECT_EQ(stage.renderer().instanceCount(), 1u);
+}
+
+TEST_F(RigidViewTest, ALookThatIsRefusedLeavesNothingBehind) {
+  addSphere(0.5, vec(0, 0, 0));
+  float red = 0.5f;
+  RigidView view(stage.renderer(), *bullet.world, [&](const btCollisionObject&) {
+    return render::InstanceLook{{red, 0.5f, 0.5f}, {}};
+  });
+  const std::size_t bytes = stage.renderer().gpuMemory().shapes;
+  addCylinder(vec(2, 0, 0));
+  red = std::numeric_limits<float>::infinity();
+  EXPECT_THROW(view.update(), std::exception);
+  EXPECT_EQ(stage.renderer().gpuMemory().shapes, bytes);
+  EXPECT_EQ(stage.renderer().instanceCount(), 1u);
+  red = 0.5f;
+  view.update();
+  EXPECT_EQ(stage.renderer().instanceCount(), 2u);
 }
 
 TEST_F(RigidViewTest, GhostsEmptyShapesAndPartsOfSoftBodiesAreLeftOut) {

@@ -8,6 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include <exception>
+#include <limits>
+
 #include "computed_points.h"
 #include "test_scene.h"
 
@@ -69,14 +72,37 @@ TEST_F(SoftViewTest, BodiesComeAndGo) {
 
 TEST_F(SoftViewTest, ABodyInTheMemoryOfAnOldOneIsANewOne) {
   // the allocator may return the same address again or not; the view must be correct in both cases
-  SoftView view(stage.renderer(), system);
+  int looks = 0;
+  SoftView view(stage.renderer(), system, [&](const SoftBody&) {
+    ++looks;
+    return SoftLook{};
+  });
   for (int i = 0; i < 20; ++i) {
-    SoftBody* body = add(i % 2 == 0 ? cube : test::tetrahedronNetwork(), 0.0);
+    SoftBody* body = add(i / 2 % 2 == 0 ? cube : test::tetrahedronNetwork(), 0.0);
     view.update();
     EXPECT_EQ(view.pointCount(), body->pointCount());
+    EXPECT_EQ(looks, i + 1);
     draw(view);
     system.destroyBody(body);
   }
+}
+
+TEST_F(SoftViewTest, ALookThatIsRefusedLeavesNothingBehind) {
+  SoftBody* first = add(cube, 0.0);
+  float red = 0.5f;
+  SoftView view(stage.renderer(), system, [&](const SoftBody&) {
+    SoftLook look;
+    look.instance.colour = {red, 0.5f, 0.5f};
+    return look;
+  });
+  // the new body may have the memory of the first one
+  system.destroyBody(first);
+  add(cube, 0.0);
+  red = std::numeric_limits<float>::infinity();
+  EXPECT_THROW(view.update(), std::exception);
+  red = 0.5f;
+  view.update();
+  EXPECT_EQ(stage.renderer().instanceCount(), 1u);
 }
 
 TEST_F(SoftViewTest, BodiesThatHideTheirBackFacesHaveAShapeOfTheirOwn) {

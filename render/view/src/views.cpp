@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Shows the soft and rigid bodies of a world, debug drawings, arrows and colours of islands.
+// Shows the soft and rigid bodies of a world, debug drawings and arrows.
 
 #include "limber/view/rigid_view.h"
 
@@ -35,6 +35,20 @@ void removeInOrder(std::unordered_map<Key, Shown>& shown, Gone gone, Hide hide) 
   std::sort(removed.begin(), removed.end(),
             [](const Shown& a, const Shown& b) { return a.instance.index < b.instance.index; });
   for (const Shown& one : removed) hide(one);
+}
+
+/// Adds an instance of a shape with the look that `look()` returns. If this fails and the instance would be
+/// the first one, the shape goes, too.
+template <class Shape, class Look>
+render::InstanceId addUser(render::Renderer& renderer, Shape& shape, Look look) {
+  try {
+    const render::InstanceId instance = renderer.addInstance(shape.id, look());
+    ++shape.users;
+    return instance;
+  } catch (...) {
+    if (shape.users == 0) renderer.removeShape(shape.id);
+    throw;
+  }
 }
 
 inline namespace LIMBER_BULLET_PRECISION {
@@ -87,6 +101,12 @@ render::InstanceLook defaultLook(const btCollisionObject& object) {
   return look;
 }
 
+/// A number that no other object in the world has had: a new one may have the address of an old one.
+int numberOf(const btCollisionObject& object) {
+  const btBroadphaseProxy* proxy = object.getBroadphaseHandle();
+  return proxy ? proxy->m_uniqueId : -1;
+}
+
 }  // namespace
 
 bool RigidView::ShapeKey::operator==(const ShapeKey& other) const {
@@ -118,7 +138,8 @@ void RigidView::update() {
     const btCollisionObject& object = *objects[i];
     if (!isShown(object)) continue;
     const auto found = shown_.find(&object);
-    if (found != shown_.end() && surfaces_[found->second.surface].key == keyOf(*object.getCollisionShape())) {
+    if (found != shown_.end() && found->second.number == numberOf(object) &&
+        surfaces_[found->second.surface].key == keyOf(*object.getCollisionShape())) {
       found->second.present = true;
       continue;
     }
@@ -146,8 +167,8 @@ void RigidView::write(const render::FrameWriter& frame, double tickFraction, dou
 bool RigidView::show(const btCollisionObject& object, Shown& shown) {
   const std::optional<std::size_t> surface = surfaceFor(*object.getCollisionShape());
   if (!surface) return false;
-  ++surfaces_[*surface].users;
-  shown = {renderer_.addInstance(surfaces_[*surface].id, look_(object)), *surface, true};
+  const auto look = [&] { return look_(object); };
+  shown = {addUser(renderer_, surfaces_[*surface], look), *surface, numberOf(object), true};
   return true;
 }
 
@@ -275,16 +296,16 @@ SoftView::~SoftView() {
 void SoftView::update() {
   for (auto& [body, shown] : shown_) shown.present = false;
   for (std::size_t b = 0; b < system_.bodyCount(); ++b) {
-    const SoftBody& body = *system_.body(b);
+    SoftBody& body = *system_.body(b);
     if (!visible(body)) continue;
     const auto found = shown_.find(&body);
-    if (found != shown_.end() && hasShapeOf(found->second, body)) {
+    // a new body may have the address of an old one
+    if (found != shown_.end() && found->second.body && hasShapeOf(found->second, body)) {
       found->second.present = true;
       continue;
     }
-    // a new body may have the address of an old one
-    if (found != shown_.end()) hide(found->second);
-    shown_[&body] = show(body);
+    if (found != shown_.end()) hide(found->second), shown_.erase(found);
+    shown_.emplace(&body, show(body));
   }
   removeInOrder(
       shown_, [](const Shown& shown) { return !shown.present; }, [this](const Shown& shown) { hide(shown); });
@@ -309,11 +330,10 @@ std::size_t SoftView::pointCount() const {
   return sum;
 }
 
-SoftView::Shown SoftView::show(const SoftBody& body) {
+SoftView::Shown SoftView::show(SoftBody& body) {
   const SoftLook look = look_ ? look_(body) : SoftLook{};
   const std::size_t shape = shapeFor(body, look);
-  ++shapes_[shape].users;
-  return {renderer_.addInstance(shapes_[shape].id, look.instance), shape, true};
+  return {addUser(renderer_, shapes_[shape], [&] { return look.instance; }), shape, body.handle(), true};
 }
 
 std::size_t SoftView::shapeFor(const SoftBody& body, const SoftLook& look) {

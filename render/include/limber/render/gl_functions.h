@@ -137,5 +137,7 @@ bool isSoftwareRasteriser(std::string_view renderer);
 
 /// Throws std::runtime_error with `where` if any OpenGL error is pending.
 void checkGlErrors(const Gl& gl, const char* where);
+/// Clears the pending errors, so that they are not attributed to the next call. Returns their names.
+std::string takeGlErrors(const Gl& gl);
 
 }  // namespace limber::render

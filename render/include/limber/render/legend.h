@@ -10,8 +10,8 @@ enum class ColourMap {
   Share    ///< The colours of shareColour().
 };
 
-/// A bar of colours at the lower right of the picture with numbers above it. The texts may have digits, + - .
-/// % / m s and spaces; other characters are left blank.
+/// A bar of colours at the lower right of the picture with numbers above it. The texts may have printable
+/// characters of ASCII; others are left blank.
 struct Legend {
   ColourMap map = ColourMap::Share;
   std::string low, middle, high;

@@ -105,12 +105,12 @@ struct FrameStats {
   std::size_t shapeDrawCalls = 0;  ///< Draws of shapes, all passes together.
   std::size_t drawCalls = 0;       ///< The same with background, overlay and legends.
   std::size_t dispatches = 0;      ///< Compute dispatches (skins, normals, tube frames).
-  double waitMs = 0.0;             ///< In beginFrame: waiting until the GPU has finished with the region.
-  double computeMs = 0.0;          ///< In draw: skins and normals on the CPU.
-  double uploadMs = 0.0;           ///< In draw: instance table, uniforms and overlay.
-  double submitMs = 0.0;           ///< In draw: the rest.
-  double finishMs = 0.0;           ///< In readPixels: waiting for the picture.
-  double readMs = 0.0;             ///< In readPixels: copying it.
+  double waitMs = 0.0;     ///< In beginFrame: until the memory is laid out and the GPU has finished with it.
+  double computeMs = 0.0;  ///< In draw: skins and normals on the CPU.
+  double uploadMs = 0.0;   ///< In draw: instance table, uniforms and overlay.
+  double submitMs = 0.0;   ///< In draw: the rest.
+  double finishMs = 0.0;   ///< In readPixels: waiting for the picture.
+  double readMs = 0.0;     ///< In readPixels: copying it.
 };
 
 /// Figures since the renderer was made.

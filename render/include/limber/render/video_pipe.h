@@ -20,8 +20,8 @@ struct VideoDesc {
 };
 
 /// Sends frames to an ffmpeg process, started without a shell. If ffmpeg ends too early, that is an error; it
-/// never ends this program with SIGPIPE. If ffmpeg fails, its incomplete file, which no program can play, is
-/// removed. Not safe for several threads at once.
+/// never ends this program with SIGPIPE. ffmpeg writes a file beside `path`, which replaces the one at `path`
+/// once it is whole. Not safe for several threads at once.
 class VideoPipe {
  public:
   /// True if there is an executable ffmpeg on PATH.
@@ -46,11 +46,13 @@ class VideoPipe {
   };
 
   void closeInput() noexcept;
-  int waitForExit() noexcept;
+  /// Ends ffmpeg. Returns whether the video is whole; removes the file if it is not.
+  bool end() noexcept;
   std::string ffmpegMessages() const;
   [[noreturn]] void failWrite(int error);
 
   VideoDesc desc_;
+  std::string part_;
   std::unique_ptr<std::FILE, CloseFile> messages_;
   int input_ = -1;
   pid_t process_ = -1;

@@ -58,6 +58,7 @@ class RigidView {
   struct Shown {
     render::InstanceId instance;
     std::size_t surface;
+    int number;
     bool present;
   };
 

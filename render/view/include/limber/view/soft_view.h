@@ -75,10 +75,11 @@ class SoftView {
   struct Shown {
     render::InstanceId instance;
     std::size_t shape;
+    Handle<SoftBody> body;
     bool present;
   };
 
-  Shown show(const SoftBody& body);
+  Shown show(SoftBody& body);
   std::size_t shapeFor(const SoftBody& body, const SoftLook& look);
   bool hasShapeOf(const Shown& shown, const SoftBody& body) const;
   void hide(const Shown& shown);
