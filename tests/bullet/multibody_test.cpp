@@ -205,6 +205,25 @@ TEST(MultiBodies, aBaseWithoutLinksIsHitAsARigidBox) {
   EXPECT_NEAR(end[1], end[0], 0.05 * end[0]);
 }
 
+TEST(MultiBodies, aMassFactorMakesABaseAsHeavyAsARigidBox) {
+  MultiBodyWorld w(0);
+  const btVector3 half = vec(0.3, 0.4, 0.5);
+  btMultiBody* base = w.addMultiBody(0, 2, half, vec(1.2, 0, 0), false);
+  w.addCollider(base, -1, half);
+  w.enter(base);
+  SoftBodySystem system(*w.world);
+  constexpr double kFactor = 1e4;
+  system.setContactFilter([](ContactCandidate& c) { c.otherMassFactor = kFactor; });
+  SoftBodySettings s = cubeBesideLinksAt({0, 0, 0});
+  s.linearVelocity = {3, 0, 0};
+  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  w.simulate(0.75);
+  EXPECT_LT(cube->linearMomentum().x(), 0.0) << "it has come back";
+  // at most as if the cube of 1 kg rebounded with its speed
+  EXPECT_LT(std::abs(double(base->getBaseVel().x())), 2 * 3.0 / (2 * kFactor));
+  EXPECT_GT(double(base->getBaseVel().x()), 0.0);
+}
+
 TEST(MultiBodies, aChainInSpaceKeepsAllMomentaInAHit) {
   for (const int rate : {60, 480}) {
     MultiBodyWorld w(0);

@@ -263,6 +263,29 @@ TEST_F(OverlapTest, insideAsAWholeIsNoOverlap) {
   EXPECT_NEAR(between(*outer, *inner, 0), 0.1, 1e-6);
 }
 
+TEST_F(OverlapTest, whatIsPutIntoABodyIsAlsoPutThereAfterARestoration) {
+  bullet.world->setGravity(btVector3(0, 0, 0));
+  btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.3), 0.0, vec(5, 2, 0));
+  SoftBody* cube = addCube(0, 2);
+  const auto putAt = [&](double x) {
+    box->getWorldTransform().setOrigin(vec(x, 2, 0));
+    bullet.world->updateSingleAabb(box);
+  };
+  putAt(0.6);  // near, but apart
+  for (int i = 0; i < 3; ++i) bullet.tick();
+  const std::vector<std::uint8_t> saved = system.saveState();
+  const auto run = [&] {
+    putAt(0.3);
+    std::vector<std::uint64_t> hashes;
+    for (int i = 0; i < 20; ++i) bullet.tick(), hashes.push_back(cube->stateHash());
+    return hashes;
+  };
+  const std::vector<std::uint64_t> first = run();
+  EXPECT_LT(cube->centerOfMass().x(), -0.01) << "it is pushed out";
+  ASSERT_TRUE(system.restoreState(saved));
+  EXPECT_EQ(run(), first);
+}
+
 TEST_F(OverlapTest, goesOnAlikeFromASavedState) {
   addCube(0, 0.26), addCube(0.03, 0.6, 0.02);
   separate(0.3, 1.0 / 60.0);

@@ -57,6 +57,30 @@ double top(const SoftBody& body) {
   return y;
 }
 
+TEST(DynamicPartner, isFoundByEveryPointThatAForceThrowsAtIt) {
+  for (const std::uint32_t point : {0u, 7u}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.pointRadius = kRadius;
+    SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+    const double side = cube->position(point).x() > 0 ? 1.0 : -1.0;
+    btRigidBody* plate = bullet.addBox(vec(0.02, 3, 3), 20.0, vec(side * 0.75, 0, 0));
+    plate->setActivationState(DISABLE_DEACTIVATION);
+    for (int i = 0; i < 5; ++i) bullet.tick();
+    // moves the point by 0.9 m in a tick
+    ASSERT_TRUE(cube->applyForce(vec(side * 400, 0, 0), point));
+    double farthest = -1.0;
+    for (int i = 0; i < 3; ++i) {
+      bullet.tick();
+      const double ahead =
+          side * (cube->position(point).x() - double(plate->getWorldTransform().getOrigin().x()));
+      farthest = std::max(farthest, ahead);
+    }
+    EXPECT_LT(farthest, 0.0) << point;
+  }
+}
+
 /// Returns the height (m) between the lowest and the highest points of the cube on a floor without friction,
 /// with `load` (N) spread over its upper points. The result is relaxed by the springs only, without Bullet.
 double cubeHeight(double stiffness, double load) {

@@ -215,6 +215,19 @@ TEST(SurfaceContact, bumpsOfAFineGroundDoNotPokeThroughAFace) {
   }
 }
 
+TEST(SurfaceContact, aGroundWhoseHeightsChangeIsSeen) {
+  std::vector<btScalar> heights;
+  BulletWorld bullet;
+  bullet.add(ridgeOfHeights(heights), 0, vec(0, 0.5 * kRidge, 0))->setFriction(1);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* cube = addAwakeCube(system, cubeAt({0.0, 0.5 + kRidge + 2 * kRadius, 0.013}, 3e4));
+  bullet.simulate(0.3);
+  EXPECT_GT(cube->centerOfMass().y(), 0.5 + 0.8 * kRidge);
+  std::fill(heights.begin(), heights.end(), btScalar(-0.5 * kRidge));
+  bullet.simulate(1.0);
+  EXPECT_LT(cube->centerOfMass().y(), 0.5 + 0.2 * kRidge) << "the ridge is gone";
+}
+
 // --- soft on soft ------------------------------------------------------------------------------------------
 
 TEST(SurfaceContact, softCubesStack) {

@@ -270,6 +270,23 @@ TEST(SurfaceLife, pairsTheUserHasExcludedDoNotTouch) {
   EXPECT_LT(body->centerOfMass().y(), -3.0);
 }
 
+TEST(SurfaceLife, softBodiesThatTheUserHasExcludedDoNotTouch) {
+  for (const bool both : {false, true}) {
+    BulletWorld bullet;
+    bullet.addBoxFloor();
+    SoftBodySystem system(*bullet.world);
+    SoftBodySettings s = test::testedSettings();
+    s.position = {0, 0.6, 0};
+    SoftBody* lower = *system.createBody(test::cubeNetwork(), s);
+    s.position = {0.1, 2, 0};
+    SoftBody* upper = *system.createBody(test::cubeNetwork(), s);
+    upper->surfaceObject()->setIgnoreCollisionCheck(lower->surfaceObject(), true);
+    if (both) lower->surfaceObject()->setIgnoreCollisionCheck(upper->surfaceObject(), true);
+    bullet.simulate(2.0);
+    EXPECT_LT(upper->centerOfMass().y(), 0.6) << both;
+  }
+}
+
 TEST(SurfaceLife, pairsInOrderOfTheirIdsAreFineToo) {
   BulletWorld bullet;
   bullet.world->getDispatchInfo().m_deterministicOverlappingPairs = true;

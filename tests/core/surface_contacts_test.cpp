@@ -222,6 +222,28 @@ TEST(SurfaceContacts, anEdgePressedFlatStaysInContact) {
   EXPECT_TRUE(contactsAt(-0.02, bearing).empty()) << "the face is concave";
 }
 
+/// Two edges that a load has pushed through each other, farther than the margin between their boxes, which
+/// have no height where the edges are along world axes.
+TEST(SurfaceContacts, edgesUnderLoadAreFoundInAnyDirection) {
+  for (const double angle : {0.0, 0.7}) {
+    const Affine3d turn(AngleAxisd(angle, Vector3d(1, 0.3, 0.6).normalized()));
+    const auto keyOfEdges = [&](double depth, const std::vector<std::uint64_t>& bearing) {
+      MovingShape upper = test::boxShape({0.2, 0.2, 0.6}, 0.0), lower = upper;
+      const double half = 0.2 * std::sqrt(0.5);
+      lower.move(turn * Translation3d(0, -half, 0) * Affine3d(AngleAxisd(M_PI / 4, Vector3d::UnitZ())));
+      upper.move(turn * Translation3d(0, half - depth, 0) *
+                 Affine3d(AngleAxisd(M_PI / 2, Vector3d::UnitY())) *
+                 Affine3d(AngleAxisd(M_PI / 4, Vector3d::UnitZ())));
+      for (const SurfaceContact& c : test::contactsOf(upper, lower, kMargin, bearing))
+        if (c.a.kind == FeatureKind::OnEdge && c.b.kind == FeatureKind::OnEdge) return c.key;
+      return std::uint64_t{0};
+    };
+    const std::uint64_t key = keyOfEdges(0.0, {});
+    ASSERT_NE(key, 0u);
+    for (const double depth : {0.5, 2.0, 4.0}) EXPECT_EQ(keyOfEdges(depth * kMargin, {key}), key) << depth;
+  }
+}
+
 /// Over a ridge whose fold is small beside that of an edge, the feet of the ball's centre are beside both
 /// faces: the ball touches the ridge itself.
 TEST(SurfaceContacts, aBallTouchesARidgeHoweverFlat) {

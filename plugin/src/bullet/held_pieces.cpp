@@ -375,6 +375,8 @@ bool hasContactAlong(const SoftBodyData& body, std::uint32_t point, const Vector
 
 /// The static objects around a contact of this body, as findContacts() finds them.
 class StaticSurroundings {
+  static constexpr double kOnSide = 0.01;  // of the radius of a cylinder
+
  public:
   StaticSurroundings(const SoftBodyData& body, const TouchedPoint& touched, double radius,
                      std::vector<HeldPiece>& pieces)
@@ -383,8 +385,9 @@ class StaticSurroundings {
     const Vector3d position = touched.onSurface();
     const Eigen::AlignedBox3d box(position.array() - radius, position.array() + radius);
     std::uint32_t owner = 0;
-    for (const btCollisionObject* partner : body.partners)
-      if (!isMoved(*partner)) owner = addPieces(*partner, box, *body.shapes, owner, pieces);
+    for (std::size_t p = 0; p < body.partners.size(); ++p)
+      if (!isMoved(*body.partners[p]) && isNear(body.heldPartners[p].box))
+        owner = addPieces(*body.partners[p], box, *body.shapes, owner, pieces);
   }
 
   bool covers(const Vector3d& normal) const {
@@ -402,7 +405,7 @@ class StaticSurroundings {
 
   /// Returns the radius (m) of the cylinder whose side contains the contact; 0: there is none.
   double radiusAround(const Vector3d& normal) const {
-    constexpr double kAlongAxis = 0.1, kOnSide = 0.01;  // cosine; fraction of the radius
+    constexpr double kAlongAxis = 0.1;  // cosine
     for (const HeldPiece& piece : pieces_) {
       if (piece.kind != HeldPiece::Kind::Cylinder) continue;
       const double radius = piece.size[0] + piece.margin;
@@ -414,6 +417,12 @@ class StaticSurroundings {
   }
 
  private:
+  bool isNear(const Eigen::AlignedBox3d& box) const {
+    const double reach = std::max(radius_, kOnSide * box.sizes().maxCoeff());
+    const Vector3d position = touched_.onSurface();
+    return box.intersects({position.array() - reach, position.array() + reach});
+  }
+
   std::vector<HeldPiece>& pieces_;
   TouchedPoint touched_;
   double radius_;

@@ -376,7 +376,7 @@ void MultiBodyLinks::applyImpulses(const TickContacts& found) {
       if (point->kind != ContactPoint::Kind::Rigid) continue;
       LinkBody* body = LinkBody::from(found.rigids[point->body].body);
       if (!body) continue;
-      const Vector3d impulse = point == &c.a ? c.impulse.sum : Vector3d(-c.impulse.sum);
+      const Vector3d impulse = (point == &c.a ? 1.0 : -1.0) / point->massFactor * c.impulse.sum;
       body->impulse += toBullet(impulse);
       body->angularImpulse += toBullet(point->arm.cross(impulse));
     }

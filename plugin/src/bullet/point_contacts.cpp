@@ -108,8 +108,7 @@ void takePartners(SoftBodyData& body, double tick) {
   const SurfaceObject* own = body.surface.object;
   body.sensors.clear();
   for (btCollisionObject* partner : body.surface.partners)
-    if (!addSensor(body, *partner) && partner->hasContactResponse() &&
-        (!own || SurfaceObject::from(partner) || own->mayTouch(*partner)))
+    if (!addSensor(body, *partner) && partner->hasContactResponse() && (!own || own->mayTouch(*partner)))
       addPartner(body, *partner, tick);
   body.surface.partners.clear();
 }

@@ -80,7 +80,7 @@ inline bool overlaps(const SearchRegion& searchRegion, const btCollisionObject& 
 inline SweptBounds sweptBoundsOf(SoftBodyData& body, double tick) {
   const MotionSums& s = sumsOf(body);
   const double radius = double(body.masses.shape->getRadius());
-  const double fall = tick * tick * body.state.acceleration.col(0).norm();
+  const double fall = tick * tick * std::sqrt(body.state.acceleration.colwise().squaredNorm().maxCoeff());
   const double margin = radius + radius / 3.0 + kSearchPerMotion * (tick * std::sqrt(s.fastest) + fall);
   const Eigen::Vector3d displacement =
       kSearchPerMotion * tick * Eigen::Map<const Eigen::Vector3d>(s.meanVelocity);
@@ -123,9 +123,7 @@ inline bool canHit(const SoftBodyData& body, const btCollisionObject& object) {
   const PointMass* point = PointMass::from(&object);
   const SurfaceObject* surface = body.surface.object;
   if ((point && point->owner() == &body) || &object == surface || !object.hasContactResponse()) return false;
-  if (surface)
-    return (SurfaceObject::from(&object) || surface->mayTouch(object)) &&
-           arePaired(*body.world, *surface, object);
+  if (surface) return surface->mayTouch(object) && arePaired(*body.world, *surface, object);
   const auto& points = body.masses.bodies;
   return std::any_of(points.begin(), points.end(),
                      [&](const PointMass* p) { return p && arePaired(*body.world, *p, object); });

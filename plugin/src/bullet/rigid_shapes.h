@@ -161,16 +161,18 @@ class RigidSurfaces {
 
 // --- concave objects ---------------------------------------------------------------------------------------
 
-/// The triangles of a concave static object around a body. They are kept while the body stays in the box.
+/// The triangles of a concave static object around a body. They are kept while the body stays in the box and
+/// they stay the same.
 struct ConcavePatch {
-  LocalBox box;      ///< m, in the object's coordinates: the patch has all triangles that overlap it
-  btTransform pose;  ///< of the object when it was made
+  LocalBox box;            ///< m, in the object's coordinates: the patch has all triangles that overlap it
+  btTransform pose;        ///< of the object when it was made
+  std::uint64_t hash = 0;  ///< of the triangles
   ShapeSurface surface;
   RigidPart part;  ///< a view of `surface`
 };
 
 /// Returns the triangles of a static or kinematic object around the box (m) in this tick, or nullptr if there
-/// are none. Makes them again when the box or the object has moved away.
+/// are none. Makes them again when the box or the object has moved away, or the triangles have changed.
 RigidPart* trianglesIn(const SweptBox& box, const btCollisionObject& object, ConcavePatch& patch);
 
 // --- static and kinematic objects --------------------------------------------------------------------------

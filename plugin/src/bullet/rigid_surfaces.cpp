@@ -237,11 +237,12 @@ struct TriangleList final : btInternalTriangleIndexCallback, btTriangleCallback 
   }
 };
 
+const btVector3 kLargestBox(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+
 /// Makes the hull from the mesh, because Bullet does not return the vertices of such a shape.
 ShapeSurface triangleMeshHull(const btConvexTriangleMeshShape& shape) {
   TriangleList list;
-  const btVector3 largest(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-  shape.getMeshInterface()->InternalProcessAllTriangles(&list, -largest, largest);
+  shape.getMeshInterface()->InternalProcessAllTriangles(&list, -kLargestBox, kLargestBox);
   std::vector<btVector3> corners;
   for (const Vector3d& corner : list.corners) corners.push_back(toBullet(corner));
   return hullOf(corners, double(shape.getMargin()));
@@ -261,10 +262,9 @@ ShapeSurface sheetSurface(const btConcaveShape& shape, const btVector3& low, con
 
 /// Returns an empty surface for shapes without edges and vertices (planes), static meshes and compounds.
 ShapeSurface makeShapeSurface(const btCollisionShape& shape) {
-  const btVector3 largest(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
   switch (shape.getShapeType()) {
     case GIMPACT_SHAPE_PROXYTYPE:
-      return sheetSurface(static_cast<const btConcaveShape&>(shape), -largest, largest);
+      return sheetSurface(static_cast<const btConcaveShape&>(shape), -kLargestBox, kLargestBox);
     case SPHERE_SHAPE_PROXYTYPE:
       return sphereSurface(static_cast<const btSphereShape&>(shape));
     case CAPSULE_SHAPE_PROXYTYPE:
@@ -322,12 +322,30 @@ void addSupports(std::uint64_t& hash, const btConvexShape& shape) {
                                                              i & 4 ? btScalar(0.6) : btScalar(-0.6))));
 }
 
-/// Returns a hash of all that defines a convex shape: type, margin and corners, with scaling.
+/// Returns a hash of the triangles that overlap a box in the shape's coordinates, and of `seed`.
+std::uint64_t hashOfTriangles(const btConcaveShape& shape, const btVector3& low, const btVector3& high,
+                              std::uint64_t seed) {
+  struct Hasher final : btTriangleCallback {
+    std::uint64_t hash;
+    void processTriangle(btVector3* triangle, int, int) override {
+      for (int i = 0; i < 3; ++i) addVector(hash, triangle[i]);
+    }
+  };
+  Hasher hasher;
+  hasher.hash = seed;
+  shape.processAllTriangles(&hasher, low, high);
+  return hasher.hash;
+}
+
+/// Returns a hash of all that defines a convex shape or a GImpact mesh: type, margin and corners, with
+/// scaling.
 std::uint64_t hashOfShape(const btCollisionShape& shape) {
   std::uint64_t hash = static_cast<std::uint64_t>(shape.getShapeType());
   btVector3 low, high;
   shape.getAabb(btTransform::getIdentity(), low, high);
   for (const btVector3& v : {low, high, btVector3(shape.getMargin(), 0, 0)}) addVector(hash, v);
+  if (isDynamicMesh(shape))
+    return hashOfTriangles(static_cast<const btConcaveShape&>(shape), -kLargestBox, kLargestBox, hash);
   const int type = shape.getShapeType();
   // the bounding box defines the shape
   if (type == BOX_SHAPE_PROXYTYPE || type == SPHERE_SHAPE_PROXYTYPE || !shape.isConvex()) return hash;
@@ -542,13 +560,16 @@ LocalBox boxIn(const btCollisionObject& object, const SweptBox& world) {
 RigidPart* trianglesIn(const SweptBox& box, const btCollisionObject& object, ConcavePatch& patch) {
   const LocalBox near = boxIn(object, box);
   const btTransform& pose = object.getWorldTransform();
-  const bool isMade = contains(patch.box, near);
+  const auto& shape = *static_cast<const btConcaveShape*>(object.getCollisionShape());
+  // the shape may be replaced, scaled, refitted, or read from heights that the application changes
+  const auto presentHash = [&] { return hashOfTriangles(shape, patch.box.low, patch.box.high, 0); };
+  const bool isMade = contains(patch.box, near) && patch.hash == presentHash();
   if (!isMade) {
     // a body that slides or rolls then rarely needs a new patch
     const btVector3 margin = btScalar(0.25) * (near.high - near.low);
     patch.box = {near.low - margin, near.high + margin};
-    patch.surface = sheetSurface(*static_cast<const btConcaveShape*>(object.getCollisionShape()),
-                                 patch.box.low, patch.box.high);
+    patch.surface = sheetSurface(shape, patch.box.low, patch.box.high);
+    patch.hash = presentHash();
   }
   if (!isMade || isKinematic(object) || !(patch.pose == pose))
     placePart(patch.part, patch.surface, pose,

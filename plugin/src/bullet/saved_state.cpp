@@ -37,7 +37,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr SealedFormat kStateFormat = {
-    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 9, 9};
+    {0x89, 'L', 'I', 'M', 'S', 'T', '\r', '\n'}, "a saved state", "the saved state", 10, 10};
 
 // --- settings ----------------------------------------------------------------------------------------------
 
@@ -166,6 +166,8 @@ struct BodyState {
   std::vector<double> otherForces;                     ///< 3, N/kg, BodyMedium::others, or empty
   std::vector<std::uint64_t> touched, key;  ///< #impulses: index in the world of the partner, features
   std::vector<double> impulse;              ///< 4 x #impulses, N s
+  std::vector<std::uint64_t> near;          ///< #held partners, their index in the world
+  std::vector<double> nearBox;              ///< 6 x #held partners, m, HeldPartner::box
   std::vector<std::uint64_t> other;         ///< #contacts(), index in the world of the other object
   std::vector<std::uint32_t> sides;         ///< 8 x #contacts(), two sides' triangle and points
   std::vector<double> contact;              ///< 20 x #contacts(), see numbersOf()
@@ -217,6 +219,8 @@ void transferState(Stream& stream, State& s) {
   stream.array("touched objects", s.touched);
   stream.array("touched features", s.key);
   stream.array("impulses", s.impulse);
+  stream.array("objects near", s.near);
+  stream.array("boxes of objects near", s.nearBox);
   stream.array("objects in contact", s.other);
   stream.array("sides of contacts", s.sides);
   stream.array("contacts", s.contact);
@@ -309,6 +313,18 @@ void saveImpulses(const SoftBodyData& body, BodyState& s) {
   }
 }
 
+/// Saves where static and kinematic objects near the body were: those that come are tested for overlaps.
+void saveNear(const SoftBodyData& body, BodyState& s) {
+  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
+  for (const HeldPartner& held : body.heldPartners) {
+    const int index = objects.findLinearSearch(const_cast<btCollisionObject*>(held.handle.object));
+    if (index >= objects.size()) continue;
+    s.near.push_back(static_cast<std::uint64_t>(index));
+    for (const Eigen::Vector3d& corner : {held.box.min(), held.box.max()})
+      s.nearBox.insert(s.nearBox.end(), corner.data(), corner.data() + 3);
+  }
+}
+
 constexpr std::size_t kContactNumbers = 20, kSideNumbers = 8;
 
 /// Calls visit(number) for each floating-point number of a contact.
@@ -345,7 +361,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.settings = body.settings;
   savePoints(body, s);
   saveSprings(body, s);
-  if (isAlive(body)) saveImpulses(body, s), saveContacts(body, s);
+  if (isAlive(body)) saveImpulses(body, s), saveNear(body, s), saveContacts(body, s);
   s.frame = body.surface.frame;
   s.jointLinear = body.surface.joints.linear;
   s.jointAngular = body.surface.joints.angular;
@@ -379,8 +395,8 @@ std::string checkState(const SoftBodyData& body, const BodyState& s) {
       (!s.softenedMass.empty() && s.softenedMass.size() != 3 * n) ||
       (!s.startVelocity.empty() && s.startVelocity.size() != 3 * n) ||
       (!s.otherForces.empty() && s.otherForces.size() != 3) || s.touched.size() != s.key.size() ||
-      4 * s.touched.size() != s.impulse.size() || kSideNumbers * s.other.size() != s.sides.size() ||
-      kContactNumbers * s.other.size() != s.contact.size())
+      4 * s.touched.size() != s.impulse.size() || 6 * s.near.size() != s.nearBox.size() ||
+      kSideNumbers * s.other.size() != s.sides.size() || kContactNumbers * s.other.size() != s.contact.size())
     return "the saved state has arrays of different sizes";
   for (const auto* array :
        {&s.position, &s.velocity, &s.startPosition, &s.pinTarget, &s.mass, &s.yieldedLength, &s.softenedMass,
@@ -444,6 +460,20 @@ void restoreImpulses(SoftBodyData& body, const BodyState& s) {
                                    ContactImpulse{j[0], Eigen::Vector3d(j[1], j[2], j[3])}});
   }
   sortImpulses(body.storedImpulses);
+}
+
+void restoreNear(SoftBodyData& body, const BodyState& s) {
+  body.heldPartners.clear();
+  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
+  for (std::size_t i = 0; i < s.near.size(); ++i) {
+    if (s.near[i] >= static_cast<std::uint64_t>(objects.size())) continue;
+    const btCollisionObject* object = objects[static_cast<int>(s.near[i])];
+    if (!object->getBroadphaseHandle()) continue;
+    const Eigen::Map<const Eigen::Vector3d> low(s.nearBox.data() + 6 * i), high(low.data() + 3);
+    HeldPartner& held = body.heldPartners.emplace_back();
+    held.handle = handleOf(*object);
+    held.box = {Eigen::Vector3d(low), Eigen::Vector3d(high)};
+  }
 }
 
 /// Returns whether the contact's sides are in this body and in the other one.
@@ -518,6 +548,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.surface.freed = s.freed;
   body.surface.overlapTicks = s.overlapTicks;
   if (s.asleep) putToSleep(body);
+  restoreNear(body, s);
   restoreContacts(body, s);
 }
 

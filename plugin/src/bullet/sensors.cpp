@@ -99,8 +99,7 @@ void addSurfaceOf(SoftBodyData& body, const ObjectHandle& partner) {
 bool addSensor(SoftBodyData& body, btCollisionObject& partner) {
   const SurfaceObject* own = body.surface.object;
   if (!own || (own->hasContactResponse() && partner.hasContactResponse())) return false;
-  const bool excluded = !SurfaceObject::from(&partner) && !own->mayTouch(partner);
-  if (!excluded && !PointMass::from(&partner)) body.sensors.push_back(handleOf(partner));
+  if (own->mayTouch(partner) && !PointMass::from(&partner)) body.sensors.push_back(handleOf(partner));
   return true;
 }
 

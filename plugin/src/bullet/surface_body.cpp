@@ -121,7 +121,10 @@ const char* SurfaceObject::serialize(void* data, btSerializer* serializer) const
 }
 
 bool SurfaceObject::mayTouch(const btCollisionObject& other) const {
-  return btRigidBody::checkCollideWithOverride(&other) && other.checkCollideWith(this);
+  // that of a surface object is for Bullet's dispatcher
+  const SurfaceObject* surface = from(&other);
+  return btRigidBody::checkCollideWithOverride(&other) &&
+         (surface ? surface->btRigidBody::checkCollideWithOverride(this) : other.checkCollideWith(this));
 }
 
 // --- in the world ------------------------------------------------------------------------------------------

@@ -86,10 +86,6 @@ std::uint64_t contactVertex(const SurfacePair& pair, std::uint32_t v, bool ofB) 
   return std::uint64_t{v} * 2 + (ofB && !pair.self ? 1 : 0);
 }
 
-std::uint64_t keyOf(ContactRank rank, std::uint32_t onA, std::uint32_t onB) {
-  return std::uint64_t{rank} << 60 | std::uint64_t{onA} << 30 | onB;
-}
-
 /// Adds a candidate; computes its gap, key and point. `flipped`: its side a is on surface b. A contact of a
 /// surface with itself is left out if the features share a vertex or are close at rest.
 void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, SurfaceContact c,
@@ -498,17 +494,18 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
                contactVertex(pair, v, ofB), search);
 }
 
-void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search) {
+void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, bool bears,
+                  ContactSearch& search) {
   const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
   const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
   const Vector3d startA = edgeVector(a, 0.0), startB = edgeVector(b, 0.0);
   if (areParallel(startA, startB)) return;
-  const std::vector<std::uint64_t>& bearing = search.bearing;
-  const bool bears = std::binary_search(bearing.begin(), bearing.end(), keyOf(kEdgeEdge, ea, eb));
   // under load the edges may be through each other by more than their radii
   const double reach = bears ? std::max(pair.radiusSum(), passLimit(pair, ea, eb)) : pair.radiusSum();
   if (stayApart(a, b, startA.cross(startB), reach + pair.margin)) return;
-  const auto nearest = findFeatureContact(a, b, reach, pair.margin);
+  auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
+  const bool deep = nearest.time == kNever && reach > pair.radiusSum();
+  if (deep) nearest = findFeatureContact(a, b, reach, pair.margin);
   if (nearest.time == kNever || nearest.a.minCoeff() <= 0.0 || nearest.b.minCoeff() <= 0.0) return;
   const Vector3d alongA = edgeVector(a, nearest.time), alongB = edgeVector(b, nearest.time);
   if (areParallel(alongA, alongB)) return;
@@ -516,7 +513,7 @@ void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, C
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
   const Crossing crossing{pair, ea, eb, nearest.time, bears};
   const bool apart = areInFront(crossing, normal);
-  if (!apart && !havePassedThrough(crossing, nearest, normal)) return;
+  if (apart ? deep : !havePassedThrough(crossing, nearest, normal)) return;
   addCandidate(pair, false, kEdgeEdge,
                {onEdge(*pair.a.topology, ea, nearest.a), onEdge(*pair.b.topology, eb, nearest.b),
                 apart ? normal : Vector3d(-normal), 0.0, nearest.time},

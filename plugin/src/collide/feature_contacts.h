@@ -30,6 +30,11 @@ enum ContactRank : std::uint8_t {
   kVertexVertex
 };
 
+/// Returns the key of a contact: the rank and the numbers of both features.
+inline std::uint64_t keyOf(ContactRank rank, std::uint32_t onA, std::uint32_t onB) {
+  return std::uint64_t{rank} << 60 | std::uint64_t{onA} << 30 | onB;
+}
+
 /// Returns the position (m) of a point of a surface at a time of the tick.
 Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point, double time);
 
@@ -110,7 +115,8 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
                        ContactSearch& search);
 
 /// Tests an edge of a with an edge of b that crosses it. Edges of solid bodies may have passed through each
-/// other by less than the depth limit of their triangles.
-void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, ContactSearch& search);
+/// other by less than the depth limit of their triangles. `bears`: they have borne a load in the last tick.
+void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, bool bears,
+                  ContactSearch& search);
 
 }  // namespace limber

@@ -73,6 +73,11 @@ bool isCovered(const SurfacePair& pair, std::uint32_t edgeB) {
   return pair.covered.edges && (*pair.covered.edges)[edgeB];
 }
 
+bool bears(const ContactSearch& search, std::uint32_t edgeA, std::uint32_t edgeB) {
+  const std::vector<std::uint64_t>& keys = search.bearing;
+  return std::binary_search(keys.begin(), keys.end(), keyOf(kEdgeEdge, edgeA, edgeB));
+}
+
 void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedElement& b,
                     ContactSearch& search) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -85,7 +90,21 @@ void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedE
           !isOwnCorner(pair, ends[0], pair.b.topology->edges[edgeB]) &&
           !isOwnCorner(pair, ends[1], pair.b.topology->edges[edgeB]) &&
           separation(a.edges[i], b.edges[j]) <= pair.margin)
-        collideEdges(pair, edgeA, edgeB, search);
+        if (!bears(search, edgeA, edgeB)) collideEdges(pair, edgeA, edgeB, false, search);
+  }
+}
+
+/// Tests the edges that have borne a load: it may have pushed them through each other by more than the
+/// margin between their boxes.
+void collideBearingEdges(const SurfacePair& pair, ContactSearch& search) {
+  constexpr std::uint32_t kNumber = (1u << 30) - 1;
+  for (const std::uint64_t key : search.bearing) {
+    const auto edgeA = static_cast<std::uint32_t>(key >> 30) & kNumber,
+               edgeB = static_cast<std::uint32_t>(key) & kNumber;
+    if (key != keyOf(kEdgeEdge, edgeA, edgeB) || edgeA >= pair.a.topology->edges.size() ||
+        edgeB >= pair.b.topology->edges.size() || isCovered(pair, edgeB))
+      continue;
+    collideEdges(pair, edgeA, edgeB, true, search);
   }
 }
 
@@ -269,6 +288,7 @@ void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<Surf
   search.candidates.clear();
   search.penetrating.clear();
   collideNearFeatures(pair, search);
+  collideBearingEdges(pair, search);
   addInsideVertices(pair, search);
   removeDuplicates(search.candidates, found);
 }

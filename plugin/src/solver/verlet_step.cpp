@@ -361,6 +361,7 @@ void prepare(SolverIsland& group) {
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
   group.pairs.time = 0.0;
+  group.pairs.rows.clear();  // those of the last tick
   startTurning(group.pairs, group.links);
   prepareConstraints(group.pairs, group.links);
 }
