@@ -360,11 +360,10 @@ void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contact
 
 // --- the partners of a body --------------------------------------------------------------------------------
 
-void gatherFree(SoftBodyData& body, btRigidBody& partner, double tick, RigidSurfaces& rigids,
-                SurfaceSearch& s, TickContacts& found) {
+void gatherFree(SoftBodyData& body, btRigidBody& partner, const SweptBox& box, double tick,
+                RigidSurfaces& rigids, SurfaceSearch& s, TickContacts& found) {
   if (!rigids.hasParts(*partner.getCollisionShape()))
     return gatherPairs(body, partner, static_cast<btScalar>(tick), found);
-  const SweptBox box = searchBox(movingSurface(body, tick));
   for (RigidPart* part : rigids.partsNear(partner, box, tick)) {
     const SurfaceCandidate m{&body, nullptr, &partner, nullptr, part};
     addCandidate(m, cachedContacts(m, tick, s), tick, s, found);
@@ -386,10 +385,13 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& pa
   addCandidate(m, s.contacts, tick, s, found);
 }
 
-void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, double tick, RigidSurfaces& rigids,
-                SurfaceSearch& s, TickContacts& found) {
-  if (partner.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
-  const SweptBox box = searchBox(movingSurface(body, tick));
+bool isPlane(const btCollisionObject& object) {
+  return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
+}
+
+void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, const SweptBox& box, double tick,
+                RigidSurfaces& rigids, SurfaceSearch& s, TickContacts& found) {
+  if (isPlane(partner)) return;
   if (partner.getCollisionShape()->isConcave()) {
     const MovingSurface& soft = boxedSurface(body, tick);
     if (soft.boxes->nodes.empty()) return;
@@ -608,10 +610,14 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
   if (!hasSurface(body)) return;
   const double h = double(tick);
   if (body.surface.overlapTicks > 0) --body.surface.overlapTicks;
-  for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, h, rigids, search, found);
+  SweptBox box;
+  if (!body.freePartners.empty() ||
+      !std::all_of(body.partners.begin(), body.partners.end(), [](const auto* p) { return isPlane(*p); }))
+    box = searchBox(movingSurface(body, h));
+  for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, box, h, rigids, search, found);
   for (std::size_t p = 0; p < body.partners.size(); ++p)
     if (p >= body.heldPartners.size() || body.heldPartners[p].out.isZero(0.0))
-      gatherHeld(body, *body.partners[p], h, rigids, search, found);
+      gatherHeld(body, *body.partners[p], box, h, rigids, search, found);
   for (SoftBodyData* other : body.softPartners) gatherSoft(body, *other, h, search, found);
   if (body.settings.selfCollision) gatherSelf(body, h, search, found);
   forgetOldSearches(body);

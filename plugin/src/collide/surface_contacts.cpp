@@ -226,15 +226,22 @@ void eraseDropped(Candidates& candidates) {
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), dropped), candidates.end());
 }
 
+/// Returns whether a vertex has a contact in the direction of x. The candidates are sorted by their vertices.
+bool hasInDirectionOf(const FeatureCandidate& x, const Candidates& candidates, std::uint64_t vertex) {
+  auto y = std::lower_bound(candidates.begin(), candidates.end(), vertex,
+                            [](const FeatureCandidate& c, std::uint64_t v) { return c.vertex < v; });
+  for (; y != candidates.end() && y->vertex == vertex; ++y)
+    if (!y->dropped && haveSameDirection(x, *y)) return true;
+  return false;
+}
+
 /// Drops contacts of two vertices if one of the vertices has another contact in the same direction.
 void removeDuplicateVertexPairs(Candidates& candidates) {
   for (FeatureCandidate& x : candidates) {
     if (x.vertex != kNoVertex || x.rank != kVertexVertex) continue;
     const std::uint64_t a = std::uint64_t{x.contact.a.feature} * 2,
                         b = std::uint64_t{x.contact.b.feature} * 2 + 1;
-    x.dropped = std::any_of(candidates.begin(), candidates.end(), [&](const FeatureCandidate& y) {
-      return (y.vertex == a || y.vertex == b) && !y.dropped && haveSameDirection(x, y);
-    });
+    x.dropped = hasInDirectionOf(x, candidates, a) || hasInDirectionOf(x, candidates, b);
   }
 }
 
@@ -258,13 +265,19 @@ bool haveSamePoint(const FeatureCandidate& x, const FeatureCandidate& y) {
   return (x.point - y.point).squaredNorm() <= tolerance * tolerance;
 }
 
-/// Keeps one of the contacts with the same point and direction. Sweeps along the x axis.
+/// Keeps one of the contacts with the same point and direction. Sweeps along the axis in which they are
+/// farthest apart.
 void removeDuplicatePoints(Candidates& candidates) {
-  sortBy(candidates, [](const FeatureCandidate& x) { return std::make_tuple(x.point.x(), x.contact.key); });
+  Eigen::AlignedBox3d box;
+  for (const FeatureCandidate& x : candidates) box.extend(x.point);
+  Eigen::Index axis = 0;
+  if (!candidates.empty()) box.sizes().maxCoeff(&axis);
+  sortBy(candidates,
+         [&](const FeatureCandidate& x) { return std::make_tuple(x.point[axis], x.contact.key); });
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     FeatureCandidate& x = candidates[i];
-    const double end = x.point.x() + kSamePointTolerance * x.featureSize;
-    for (std::size_t j = i + 1; j < candidates.size() && candidates[j].point.x() <= end; ++j) {
+    const double end = x.point[axis] + kSamePointTolerance * x.featureSize;
+    for (std::size_t j = i + 1; j < candidates.size() && candidates[j].point[axis] <= end; ++j) {
       FeatureCandidate& y = candidates[j];
       if (x.dropped || y.dropped || !haveSamePoint(x, y) || !haveSameDirection(x, y)) continue;
       (x.contact.key <= y.contact.key ? y : x).dropped = true;
