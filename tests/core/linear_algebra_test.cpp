@@ -85,5 +85,27 @@ TEST(SparseFactor, isMadeOfPieces) {
   EXPECT_TRUE(factorise(Eigen::SparseMatrix<double>(0, 0)).isComplete);
 }
 
+TEST(RigidMotion, isFoundOfAnyPointsAndIsNoReflection) {
+  Random random(5);
+  Eigen::Matrix3Xd from(3, 20), to(3, 20);
+  const auto randomVector = [&] {
+    return Eigen::Vector3d(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);
+  };
+  for (const bool flat : {false, true}) {
+    for (Index i = 0; i < from.cols(); ++i) from.col(i) = randomVector();
+    if (flat) from.row(2).setConstant(0.3);
+    for (const double angle : {0.0, 1e-3, 2.0, 3.14159}) {
+      const Eigen::Isometry3d motion =
+          Eigen::Translation3d(randomVector()) * Eigen::AngleAxisd(angle, randomVector().normalized());
+      to = motion * from;
+      EXPECT_LT((rigidMotionBetween(from, to).matrix() - motion.matrix()).norm(), 1e-12) << flat << angle;
+    }
+  }
+  for (Index i = 0; i < from.cols(); ++i) from.col(i) = randomVector();
+  to = from;
+  to.row(0) *= -1.0;
+  EXPECT_NEAR(rigidMotionBetween(from, to).linear().determinant(), 1.0, 1e-12) << "mirrored";
+}
+
 }  // namespace
 }  // namespace limber

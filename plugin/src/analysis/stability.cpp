@@ -4,6 +4,7 @@
 
 #include "analysis/analysis.h"
 
+#include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
 #include "network/modes.h"
@@ -12,8 +13,6 @@
 #include "solver/stepping_choice.h"
 #include "solver/verlet_step.h"
 #include "solver/volumes.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <atomic>
@@ -229,8 +228,7 @@ void touchFloor(PointState& state) {
 
 /// Returns the height that the rest shape has in the body's present orientation.
 double undeformedHeight(const StandingBody& body) {
-  const Eigen::Matrix4d transform = Eigen::umeyama(body.rest, body.state.position, false);
-  return heightOf(transform.topLeftCorner<3, 3>() * body.rest);
+  return heightOf(rigidMotionBetween(body.rest, body.state.position).linear() * body.rest);
 }
 
 /// Adds a step of the motion under the load, with drag that damps oscillations of this frequency critically.

@@ -7,11 +7,10 @@
 #include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/system_impl.h"
+#include "mesh/linear_algebra.h"
 
 #include <limber/skeleton.h>
 #include <limber/soft_body_system.h>
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -379,7 +378,7 @@ Result<void> Skeleton::teleportBody(const std::vector<btVector3>& from) {
     before.col(static_cast<Eigen::Index>(i)) = toEigen(from[i]);
     after.col(static_cast<Eigen::Index>(i)) = toEigen(followers_[i].place);
   }
-  const Eigen::Isometry3d motion(Eigen::umeyama(before, after, false));
+  const Eigen::Isometry3d motion = rigidMotionBetween(before, after);
   const Eigen::Quaterniond turn(motion.rotation());
   return body_->setTransform(btTransform(btQuaternion(btScalar(turn.x()), btScalar(turn.y()),
                                                       btScalar(turn.z()), btScalar(turn.w())),

@@ -76,6 +76,22 @@ Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix) {
   return inverse;
 }
 
+Eigen::Isometry3d rigidMotionBetween(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
+  const Eigen::Vector3d fromMean = from.rowwise().mean(), toMean = to.rowwise().mean();
+  Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < from.cols(); ++i)
+    s += (from.col(i) - fromMean) * (to.col(i) - toMean).transpose();
+  // the quaternion (w, x, y, z) of the rotation is the eigenvector of the largest eigenvalue
+  const Eigen::Vector3d turn(s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0));
+  Eigen::MatrixXd n(4, 4);
+  n << s.trace(), turn.transpose(), turn,
+      Eigen::Matrix3d(s + s.transpose() - s.trace() * Eigen::Matrix3d::Identity());
+  const Eigen::Vector4d q = symmetricParts(n).vectors.col(3);
+  Eigen::Isometry3d motion(Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
+  motion.translation() = toMean - motion.linear() * fromMean;
+  return motion;
+}
+
 void solveSmall(const SmallMatrix& matrix, Eigen::Ref<Eigen::MatrixXd> columns) {
   const Eigen::LDLT<SmallMatrix> factors(matrix);
   SmallVector x;

@@ -4,6 +4,7 @@
 // Small dense matrices, factors of sparse ones, and the largest eigenvalue of a linear operator.
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 
 #include <functional>
@@ -46,6 +47,11 @@ SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::Ve
 /// Returns the matrix whose product with a vector b is the shortest x that minimises |matrix x - b|.
 /// Eigenvalues below 1e-14 of the largest count as 0.
 Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix);
+
+/// Returns the rotation and translation that bring points (3 x #points, m) nearest to others: the sum of the
+/// squared distances is least (B. Horn, Closed-form solution of absolute orientation using unit quaternions,
+/// 1987).
+Eigen::Isometry3d rigidMotionBetween(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
 
 /// Matrices up to 10 x 10 and vectors up to 10 entries, without an allocation.
 constexpr int kMaxSmall = 10;
