@@ -55,8 +55,8 @@ class LIMBER_API Grab {
   friend LIMBER_API Result<Grab> grab(SoftBodySystem&, SoftBody*, std::uint32_t, const GrabSettings&);
   friend class SoftBodySystem;
   static void mark(SpringConstraint& spring, const std::shared_ptr<GrabPull>& pull);
-  static void aim(GrabPull& pull);                                        // its springs at its place
-  static void aimLimited(const std::vector<SpringConstraint*>& springs);  // at the start of a tick
+  static void aim(GrabPull& pull);                                    // its springs at its place
+  static void aimAll(const std::vector<SpringConstraint*>& springs);  // at the start of a tick
 
   SoftBodySystem* system_ = nullptr;  // exists as long as one of the springs does
   std::shared_ptr<GrabPull> pull_;    // shared with its springs

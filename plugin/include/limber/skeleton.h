@@ -63,8 +63,11 @@ class LIMBER_API Skeleton {
   /// that has been destroyed.
   Result<void> moveTo(const std::vector<btTransform>& bones, bool teleport = false);
 
-  /// Returns the place (m) of bound point i, in the order of bind(), where moveTo() has last put it.
-  btVector3 place(std::size_t i) const { return followers_.at(i).place; }
+  /// Returns the place (m) of bound point i, in the order of bind(), where moveTo() has last put it; 0 if
+  /// there is no such point.
+  btVector3 place(std::size_t i) const {
+    return i < followers_.size() ? followers_[i].place : btVector3(0, 0, 0);
+  }
 
   /// Unpins all points and removes the springs.
   void release();
@@ -89,7 +92,7 @@ class LIMBER_API Skeleton {
   Result<void> hold(Follower& follower, const std::vector<btTransform>& bones);
   Result<void> carry(const Follower& follower, const std::vector<btTransform>& bones, bool teleport);
   Result<void> carryPin(const Follower& follower, bool teleport);
-  Result<void> teleportBody(const std::vector<btVector3>& from);
+  Result<void> teleportBody(const std::vector<btVector3>& to);
   void removeSprings();
 
   SoftBodySystem* system_ = nullptr;  // exists as long as one of the springs does

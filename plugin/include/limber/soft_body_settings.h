@@ -184,7 +184,7 @@ enum class SpringAction : std::uint8_t {
 
 /// A single spring with a parallel damper.
 struct SpringSettings {
-  std::optional<double> restLength;  ///< m, 0 to 1e6; default: the distance of the ends when the spring is
+  std::optional<double> restLength;  ///< m, 0 to 4e6; default: the distance of the ends when the spring is
                                      ///< added; set in SpringConstraint::settings()
   double stiffness = 1000.0;         ///< N/m, 0 to 1e12
   double damping = 0.0;              ///< N s/m along the spring, 0 to 1e12, only while the spring acts: not

@@ -325,8 +325,16 @@ void wakeRigid(btCollisionObject& object, bool insideTick) {
 
 }  // namespace
 
+void wakeAnchored(SoftBodyData& body, bool insideTick) {
+  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
+  for (const Anchor& anchor : body.anchors)
+    // the application may have deleted the body
+    if (objects.findLinearSearch(anchor.body) < objects.size()) wakeRigid(*anchor.body, insideTick);
+}
+
 void wakeNeighbours(SoftBodyData& body, bool insideTick) {
   if (!anyInWorld(body)) return;
+  wakeAnchored(body, insideTick);
   const double margin = 2.0 * radiusOf(body) + double(gContactBreakingThreshold);
   const Eigen::Vector3d low = body.state.position.rowwise().minCoeff().array() - margin;
   const Eigen::Vector3d high = body.state.position.rowwise().maxCoeff().array() + margin;

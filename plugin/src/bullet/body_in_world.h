@@ -75,6 +75,9 @@ void forgetConstants(SoftBodyData& body);
 /// Applies settings to a living body, see SoftBody::change().
 Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings);
 
+/// Returns the errors that changeSettings() would have, before anything changes.
+Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& settings);
+
 // --- in the world ------------------------------------------------------------------------------------------
 
 // These functions call those of point_masses.h or surface_body.h, depending on the body's settings.
@@ -94,8 +97,11 @@ bool isAlive(SoftBodyData& body);
 /// Makes Bullet's queries find a body that was moved between ticks at its new place, before the next tick.
 void updateQueryBoxes(SoftBodyData& body);
 
-/// Wakes what is near the body and may rest on it, before the body leaves its place. `insideTick`: see
-/// wakeBody().
+/// Wakes the rigid bodies to which points are attached.
+void wakeAnchored(SoftBodyData& body, bool insideTick);
+
+/// Wakes what is near the body and may rest on it, and what is attached to it, before the body leaves its
+/// place. `insideTick`: see wakeBody().
 void wakeNeighbours(SoftBodyData& body, bool insideTick);
 
 /// Wakes the body. `insideTick`: also applies the gravity of this step, which it missed while asleep.

@@ -329,6 +329,7 @@ Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, do
 Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
   medium.force.setZero(3, medium.predicted.cols());
   Bobbing bobbing;
+  const double mass = totalMass(body.state);  // without the water that it pushes aside
   if (!body.model->parts.closed.empty()) {
     bobbing = buoy(body, medium, plane, tick);
     medium.drag.terms *= bobbing.implicit;
@@ -338,8 +339,7 @@ Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane&
   }
   body.state.acceleration += medium.force.cwiseProduct(body.state.inverseMass);
   body.surface.sweptBounds.tick = 0.0;
-  bobbing.phase =
-      bobbing.own * bobbing.implicit * bobbingPhase(plane, bobbing.area, body.settings.totalMass, tick);
+  bobbing.phase = bobbing.own * bobbing.implicit * bobbingPhase(plane, bobbing.area, mass, tick);
   return bobbing;
 }
 

@@ -57,6 +57,7 @@ double elasticEnergy(const SoftBodyData& body) {
 Points elasticForces(const SoftBodyData& body) {
   PointState state = body.state;
   SpringArrays springs = body.springs;
+  if (springs.yielded) springs.yielded = std::make_shared<SpringConstants>(*springs.yielded);
   VolumeArrays volumes = body.volumes;
   TetrahedronVolumes tetrahedra = body.tetrahedra;
   SolverBody copy{&state, &springs, nullptr};
@@ -464,6 +465,8 @@ void changeRadius(SoftBodyData& body) {
   if (body.surface.shape) body.surface.shape->setMargin(radius);
 }
 
+}  // namespace
+
 Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
   if (!isAlive(body)) return notAlive();
   if (Result<void> valid = validate(s); !valid) return Error{"settings: " + valid.error()};
@@ -476,6 +479,8 @@ Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
   if (s.scale == body.settings.scale) return {};
   return checkScaled(body, s.scale.cwiseQuotient(body.settings.scale));
 }
+
+namespace {
 
 /// Returns whether what lies on the body may then have nothing below it.
 bool mayLetGo(const SoftBodySettings& before, const SoftBodySettings& after) {

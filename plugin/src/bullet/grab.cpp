@@ -86,14 +86,14 @@ void Grab::aim(GrabPull& pull) {
     SpringConstraint& spring = *pull.springs[static_cast<std::size_t>(i)];
     spring.settings_.stiffness = stiffness;
     spring.settings_.damping = damping;
-    spring.b_.pivot = from + stretch + kSpringLength * axisOf(i);
+    spring.b_.pivot = from + (stretch[i] + kSpringLength) * axisOf(i);
   }
 }
 
-void Grab::aimLimited(const std::vector<SpringConstraint*>& springs) {
+void Grab::aimAll(const std::vector<SpringConstraint*>& springs) {
   for (const SpringConstraint* spring : springs) {
     GrabPull* pull = spring->grab_.get();
-    if (pull && pull->maxForce > 0.0 && pull->springs[0].get() == spring && pull->holds()) aim(*pull);
+    if (pull && pull->springs[0].get() == spring && pull->holds()) aim(*pull);
   }
 }
 

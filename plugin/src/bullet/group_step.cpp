@@ -214,9 +214,34 @@ void setChoice(LinkedGroup& group, const SteppingChoice& choice) {
   for (SoftBodyData* body : group.bodies) limitSweeps(body->springs, choice.cut);
 }
 
-/// Restores the state of the points at the start of the tick.
-void rewind(LinkedGroup& group) {
+/// Whether the step may change the springs for good.
+bool mayYield(const SpringArrays& springs) {
+  return springs->limit.yieldStrain > 0.0 || springs->limit.breakStrain > 0.0;
+}
+
+/// Stores the springs as they are at the start of the tick.
+void keepSprings(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) {
+    if (!mayYield(body->springs)) continue;
+    if (!body->startSprings) body->startSprings = std::make_unique<SpringConstants>();
+    *body->startSprings = body->springs.yielded ? *body->springs.yielded : *body->springs.original;
+    body->startBroken = body->springs.broken;
+  }
+}
+
+void restoreSprings(SoftBodyData& body) {
+  SpringArrays& springs = body.springs;
+  if (!springs.yielded || !mayYield(springs)) return;
+  *springs.yielded = *body.startSprings;
+  if (std::exchange(springs.broken, body.startBroken) != body.startBroken) springs.preparedFor = 0.0;
+}
+
+/// Restores the state of the points, springs and ends of links at the start of the tick.
+void rewind(LinkedGroup& group, double tick) {
+  for (std::size_t i = 0; i < group.springs.size(); ++i)
+    placeEnds(group.step.links.springs[i], *group.springs[i], tick);
+  for (SoftBodyData* body : group.bodies) {
+    restoreSprings(*body);
     body->state.position = body->masses.startPosition;
     body->state.velocity = body->startVelocity;
     body->sumsValid = false;
@@ -244,7 +269,7 @@ void stepOnce(LinkedGroup& group, double tick, SharedFactors& factors) {
   if (group.stepper != Stepper::Verlet) {
     if (stepImplicitly(group, tick, factors)) return;
     group.bodies[0]->implicit.reset();
-    rewind(group);
+    rewind(group, tick);
     SteppingProblem problem = problemOf(group, tick);
     problem.implicitPossible = false;
     setChoice(group, limber::chooseStepping(problem, group.stepping));
@@ -386,6 +411,7 @@ namespace {
 
 /// Steps the group. With a tolerance, adds substeps and repeats it if the error is larger than predicted.
 void stepToTolerance(LinkedGroup& group, double tick, SharedFactors& factors) {
+  keepSprings(group);
   stepOnce(group, tick, factors);
   if (!hasTolerance(group) || !group.step.links.rigids.empty()) return;
   SteppingProblem problem = problemOf(group, tick);
@@ -394,7 +420,7 @@ void stepToTolerance(LinkedGroup& group, double tick, SharedFactors& factors) {
     const SteppingChoice choice = limber::chooseStepping(problem, group.stepping);
     if (choice.substeps <= group.substeps) return;
     setChoice(group, choice);
-    rewind(group);
+    rewind(group, tick);
     stepOnce(group, tick, factors);
   }
 }
@@ -410,7 +436,7 @@ void repeatIfMissed(LinkedGroup& group, double tick, SharedFactors& factors) {
   bool missed = false;
   for (SoftBodyData* body : group.bodies) missed = mayHaveMissedContacts(*body) || missed;
   if (!missed) return;
-  rewind(group);
+  rewind(group, tick);
   stepToTolerance(group, tick, factors);
 }
 
@@ -421,15 +447,23 @@ bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
 
 namespace {
 
-/// Returns whether a body needs more substeps than any tick has, or has needed them before.
-bool isTooFast(const LinkedGroup& group, double tick) {
+/// Takes over what the budget has resolved before the groups were made again.
+void takeResolved(LinkedGroup& group) {
+  const int budget = group.stepping.maxSubsteps > 0 ? group.stepping.maxSubsteps : kMaxSubsteps;
+  for (const SoftBodyData* body : group.bodies)
+    if (body->resolved > 0.0 && body->resolvedBy == budget)
+      group.resolved = group.resolved > 0.0 ? std::min(group.resolved, body->resolved) : body->resolved;
+}
+
+/// Returns whether a body or link needs more substeps than any tick has, or has needed them before.
+bool isTooFast(LinkedGroup& group, double tick) {
   if (group.resolved > 0.0) return true;
   const double limit = kBudgetPhaseSquared * std::pow(kMaxSubsteps / tick, 2);
   for (SoftBodyData* body : group.bodies) {
     if (body->frequencyStale) updateBounds(*body);
     if (body->frequencySquared > limit) return true;
   }
-  return false;
+  return !group.springs.empty() && linkFrequencyBoundSquared(group.step.links) > limit;
 }
 
 }  // namespace
@@ -438,10 +472,13 @@ bool isTooFast(const LinkedGroup& group, double tick) {
 /// than any tick has are softened to these.
 void keepBudget(LinkedGroup& group, double tick) {
   group.stepping = strictest(group);
+  if (group.resolved == 0.0) takeResolved(group);
   if (group.stepping.maxSubsteps == 0 && isTooFast(group, tick)) group.stepping.maxSubsteps = kMaxSubsteps;
   double largest = kBudgetPhaseSquared * std::pow(group.stepping.maxSubsteps / tick, 2);
   if (group.resolved > 0.0) largest = std::min(largest, group.resolved);
   group.resolved = largest;
+  for (SoftBodyData* body : group.bodies)
+    body->resolved = largest, body->resolvedBy = group.stepping.maxSubsteps;
   const auto scaleLinks = [&](double share) {
     for (std::size_t i = 0; i < group.springs.size(); ++i)
       setStiffness(group.step.links.springs[i], *group.springs[i], share);

@@ -167,6 +167,7 @@ bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;
   const auto it = findAnchor(anchors, i);
   if (it == anchors.end()) return false;
+  wakeAnchored(*softBody->data_, false);
   anchors.erase(it);
   softBody->data_->surface.freed = true;
   softBody->wake();
@@ -280,9 +281,10 @@ std::string checkBoundBones(const std::vector<btTransform>& bones) {
 /// Returns the normals (#points) of the present surface; 0 for points that are not on it.
 std::vector<btVector3> pointNormals(const SoftBody& body) {
   std::vector<btVector3> normals(body.pointCount(), btVector3(0, 0, 0));
+  const double outward = body.settings().scale.prod() < 0.0 ? -1.0 : 1.0;
   for (const Triangle& t : body.network().surface) {
     const Eigen::Vector3d a = body.position(t[0]);
-    const btVector3 normal = toBullet((body.position(t[1]) - a).cross(body.position(t[2]) - a));
+    const btVector3 normal = toBullet(outward * (body.position(t[1]) - a).cross(body.position(t[2]) - a));
     for (const std::uint32_t point : t) normals[point] += normal;
   }
   for (btVector3& normal : normals)
@@ -372,11 +374,11 @@ btVector3 Skeleton::stopOf(const Follower& follower, const std::vector<btTransfo
 }
 
 /// Moves the body by the rigid motion nearest to that of the places.
-Result<void> Skeleton::teleportBody(const std::vector<btVector3>& from) {
-  Eigen::Matrix3Xd before(3, from.size()), after(3, from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    before.col(static_cast<Eigen::Index>(i)) = toEigen(from[i]);
-    after.col(static_cast<Eigen::Index>(i)) = toEigen(followers_[i].place);
+Result<void> Skeleton::teleportBody(const std::vector<btVector3>& to) {
+  Eigen::Matrix3Xd before(3, to.size()), after(3, to.size());
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    before.col(static_cast<Eigen::Index>(i)) = toEigen(followers_[i].place);
+    after.col(static_cast<Eigen::Index>(i)) = toEigen(to[i]);
   }
   const Eigen::Isometry3d motion = rigidMotionBetween(before, after);
   const Eigen::Quaterniond turn(motion.rotation());
@@ -391,14 +393,14 @@ Result<void> Skeleton::moveTo(const std::vector<btTransform>& bones, bool telepo
   if (bones.size() != bones_)
     return Error{std::to_string(bones.size()) + " bones, bound were " + std::to_string(bones_)};
   if (std::string reason = checkBones(bones); !reason.empty()) return Error{std::move(reason)};
-  std::vector<btVector3> from;
-  for (Follower& follower : followers_) {
-    from.push_back(follower.place);
-    follower.place.setZero();
-    for (const Part& part : follower.parts) follower.place += part.weight * (bones[part.bone] * part.place);
+  std::vector<btVector3> places;
+  for (const Follower& follower : followers_) {
+    btVector3& place = places.emplace_back(0, 0, 0);
+    for (const Part& part : follower.parts) place += part.weight * (bones[part.bone] * part.place);
   }
   if (teleport && !followers_.empty())
-    if (Result<void> moved = teleportBody(from); !moved) return moved;
+    if (Result<void> moved = teleportBody(places); !moved) return moved;
+  for (std::size_t i = 0; i < places.size(); ++i) followers_[i].place = places[i];
   body_->wake();
   for (const Follower& follower : followers_)
     if (Result<void> moved = carry(follower, bones, teleport); !moved) return moved;

@@ -243,9 +243,7 @@ bool updateBroadphaseBoxes(LinkedGroup& group, btScalar tick) {
   return changed;
 }
 
-/// Takes over stiffness and damping, and moves the end in the world to where the user has moved it, at once
-/// or, with a target, over the tick.
-void gatherEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
+void placeEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
   const auto gather = [&](LinkEnd& end, const SpringEnd& now) {
     if (end.kind != LinkEnd::Kind::World) return;
     end.pivot = toEigen(now.pivot);
@@ -253,9 +251,6 @@ void gatherEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
   };
   gather(link.a, spring.endA());
   gather(link.b, spring.endB());
-  // a Grab changes them
-  setStiffness(link, spring, 1.0);
-  link.damping = spring.settings().damping;
 }
 
 /// Squared errors (m^2) of the links of points with a held body, at two of its poses.
@@ -291,9 +286,16 @@ bool isPlacedWithItsPoints(const LinkedGroup& group, std::uint32_t rigid) {
   return 4.0 * errors.atPlace < errors.atLastPose;
 }
 
+void gatherSpring(LinkSpring& link, const SpringConstraint& spring, double tick) {
+  placeEnds(link, spring, tick);
+  // a Grab changes them
+  setStiffness(link, spring, 1.0);
+  link.damping = spring.settings().damping;
+}
+
 void gatherGroup(LinkedGroup& group, btScalar tick) {
   for (std::size_t i = 0; i < group.springs.size(); ++i)
-    gatherEnds(group.step.links.springs[i], *group.springs[i], double(tick));
+    gatherSpring(group.step.links.springs[i], *group.springs[i], double(tick));
   for (SoftBodyData* body : group.bodies) gatherContacts(*body, tick);
   for (std::uint32_t i = 0; i < group.rigids.size(); ++i) {
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);

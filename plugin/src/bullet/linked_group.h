@@ -57,6 +57,9 @@ std::vector<LinkedGroup> makeLinkedGroups(const btCollisionWorld& world,
                                           const std::vector<SoftBodyData*>& bodies,
                                           const std::vector<SpringConstraint*>& springs);
 
+/// Puts a link's end in the world where the user has moved it, at once or, with a target, over the tick (s).
+void placeEnds(LinkSpring& link, const SpringConstraint& spring, double tick);
+
 /// Sets the stiffness of a link to a share of its settings.
 void setStiffness(LinkSpring& link, const SpringConstraint& spring, double share);
 

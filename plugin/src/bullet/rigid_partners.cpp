@@ -29,9 +29,11 @@ RigidState movedFrom(const btTransform& start, const btTransform& end, btScalar 
   return state;
 }
 
-/// It moves from its last pose to its present one.
+/// It moves from its last pose to its present one. A new partner may have moved before; its world transform
+/// is that at the tick's start, while kinematic bodies are Rewound.
 void gatherHeldRigid(RigidPartner& partner, RigidState& state, btScalar tick) {
   const btTransform& end = endPoseOf(*partner.body);
+  if (std::exchange(partner.isNew, false)) partner.lastPose = partner.body->getWorldTransform();
   state = movedFrom(partner.lastPose, end, tick);
   partner.lastPose = end;
 }
@@ -99,7 +101,6 @@ RigidPartner makePartner(btRigidBody& body) {
   RigidPartner partner;
   partner.body = &body;
   partner.handle = handleOf(body);
-  partner.lastPose = body.getWorldTransform();
   return partner;
 }
 

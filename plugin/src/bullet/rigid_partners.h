@@ -21,6 +21,7 @@ struct RigidPartner {
   btRigidBody* body = nullptr;
   bool held = false;     ///< static, kinematic or out of the simulation
   ObjectHandle handle;   ///< of the body
+  bool isNew = true;     ///< not yet in a tick
   btTransform lastPose;  ///< at the end of the last tick
   RigidState start;      ///< at the start of the tick
   Eigen::Vector3d velocityOffset = Eigen::Vector3d::Zero(),

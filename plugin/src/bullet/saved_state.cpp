@@ -153,11 +153,11 @@ struct BodyState {
   std::vector<std::uint8_t> broken;                       ///< #springs, likewise, or empty
   Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();
   bool asleep = false, freed = false;
-  double calmTime = 0.0, softenedTo = 0.0, errorPerSecond = 0.0, errorCoefficient = 0.0;
+  double calmTime = 0.0, softenedTo = 0.0, resolved = 0.0, errorPerSecond = 0.0, errorCoefficient = 0.0;
   std::vector<double> softenedMass;  ///< 3 x #points, inverse masses for which it was softened, or empty
   RateHistory rates;
   EnergyLimit energy;
-  int substeps = 0, overlapTicks = 0;
+  int substeps = 0, overlapTicks = 0, resolvedBy = 0;
   Stepper stepper = Stepper::Verlet;
   bool prefersImplicit = false;
   std::uint32_t restorations = 0;
@@ -197,7 +197,8 @@ void transferState(Stream& stream, State& s) {
   transferFlag(stream, "sleep", s.asleep);
   transferFlag(stream, "release", s.freed);
   stream.value("overlap", s.overlapTicks);
-  for (auto* number : {&s.calmTime, &s.softenedTo, &s.errorPerSecond, &s.errorCoefficient})
+  stream.value("budget", s.resolvedBy);
+  for (auto* number : {&s.calmTime, &s.softenedTo, &s.resolved, &s.errorPerSecond, &s.errorCoefficient})
     stream.value("measures", *number);
   stream.array("inverse masses", s.softenedMass);
   transferRates(stream, s.rates.now);
@@ -369,6 +370,8 @@ BodyState stateOf(SoftBodyData& body) {
   s.freed = body.surface.freed;
   s.overlapTicks = body.surface.overlapTicks;
   s.calmTime = body.calmTime;
+  s.resolved = body.resolved;
+  s.resolvedBy = body.resolvedBy;
   s.errorPerSecond = body.errorPerSecond;
   s.errorCoefficient = body.errorCoefficient;
   s.rates = body.rateHistory;
@@ -528,6 +531,8 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.surface.joints = {s.jointLinear, s.jointAngular};
   body.surface.joints.set = JointMotion::kUnknown;
   body.calmTime = s.calmTime;
+  body.resolved = s.resolved;
+  body.resolvedBy = s.resolvedBy;
   body.errorPerSecond = s.errorPerSecond;
   body.errorCoefficient = s.errorCoefficient;
   body.rateHistory = s.rates;
@@ -589,9 +594,9 @@ Result<SoftBodySettings> settingsIn(const Bytes& bytes) {
   return state->settings;
 }
 
-Result<void> checkStateFor(const SoftBodyData& body, const Bytes& bytes) {
+Result<void> checkStateFor(SoftBodyData& body, const Bytes& bytes) {
   const Result<BodyState> state = readState(body, bytes);
-  return state ? Result<void>() : Error{state.error()};
+  return state ? checkChange(body, state->settings) : Error{state.error()};
 }
 
 Result<void> restoreStateOf(SoftBodyData& body, const Bytes& bytes) {

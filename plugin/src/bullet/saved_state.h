@@ -24,7 +24,7 @@ Result<void> restoreStateOf(SoftBodyData& body, const std::vector<std::uint8_t>&
 Result<SoftBodySettings> settingsIn(const std::vector<std::uint8_t>& bytes);
 
 /// Returns the errors of restoreStateOf(), without changing anything.
-Result<void> checkStateFor(const SoftBodyData& body, const std::vector<std::uint8_t>& bytes);
+Result<void> checkStateFor(SoftBodyData& body, const std::vector<std::uint8_t>& bytes);
 
 /// Writes a chunk that has the body's network, settings and state to one of Bullet's files.
 void writeChunk(SoftBodyData& body, btSerializer& serializer);

@@ -267,9 +267,10 @@ Eigen::Vector3d innerForce(const SoftBodyData& body, const PointState& state, st
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const std::uint32_t a = springs->a[s], b = springs->b[s];
     if (a != i && b != i) continue;
-    const Eigen::Vector3d axis = (state.position.col(b) - state.position.col(a)).normalized();
+    const SpringPull pull = springPull(state.position.col(b) - state.position.col(a), springs->restLength[s],
+                                       springs->extensionStiffness[s], springs->compressionStiffness[s]);
     const Eigen::Vector3d opening = state.velocity.col(a == i ? b : a) - state.velocity.col(i);
-    force += springs->damping[s] * axis.dot(opening) * axis;
+    force += springs->damping[s] * pull.direction.dot(opening) * pull.direction;
   }
   return force;
 }

@@ -276,6 +276,9 @@ struct SoftBodyData {
 
   PointState state;
   SpringArrays springs;
+  std::unique_ptr<SpringConstants> startSprings;  ///< `springs.yielded` at the start of the tick, if a retry
+                                                  ///< may need it
+  std::size_t startBroken = 0;                    ///< likewise, `springs.broken`
   VolumeArrays volumes;
   TetrahedronVolumes tetrahedra;
   std::shared_ptr<const SoftenedConstants> softening;  ///< with a budget; then their constants are these
@@ -318,6 +321,8 @@ struct SoftBodyData {
   double calmTime = 0.0;           ///< s, see LinkedGroup::calmTime
   bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed
   double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
+  double resolved = 0.0;           ///< rad^2/s^2, LinkedGroup::resolved, which ends with the group
+  int resolvedBy = 0;              ///< the maximum of substeps that resolved it
   double fastestSquared = 0.0;     ///< rad^2/s^2, bound of fastestOscillationSquared for the present masses
   RateHistory rateHistory;
   EnergyLimit energyLimit;

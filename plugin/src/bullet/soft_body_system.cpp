@@ -26,7 +26,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 bool isValidPivot(const btVector3& place) {
   constexpr double kMaxPivotDistance = 1e6;  // m, a larger one would require far too many substeps
   const Eigen::Vector3d p = toEigen(place);
-  return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxPivotDistance;
+  return p.norm() <= kMaxPivotDistance;
 }
 
 namespace {
@@ -114,6 +114,7 @@ SoftBodySystem::~SoftBodySystem() {
 
 void SoftBodySystem::removeAll() {
   impl_->step->forgetGroups();
+  for (const auto& spring : impl_->springs) impl_->wakeEnds(*spring, nullptr);
   impl_->springs.clear();
   for (std::size_t i = impl_->bodies.size(); i-- > 0;) impl_->step->addPending(impl_->bodies[i].get());
   impl_->destroyPending();

@@ -103,9 +103,9 @@ void SoftBodySystem::Impl::WorldStep::divideBodies() {
   for (Impl* system : systems)
     for (auto& handle : system->bodies) {
       SoftBodyData& body = *handle->data_;
-      if (!body.alive) continue;
       body.tears.clear();
       body.brokenAnchors.clear();
+      if (!body.alive) continue;
       makePendingCuts(body);
       tearBody(body);
       mayDivide = mayDivide || !body.tears.empty() || mayTear(body);
@@ -127,7 +127,7 @@ void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
 
 void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   rebuildGroupsIfNeeded();
-  Grab::aimLimited(springs);
+  Grab::aimAll(springs);
   for (Impl* system : systems) system->clearForcesOnNewStep();
   objects.find(*world);
   kinematic.follow(*world, objects, tick);

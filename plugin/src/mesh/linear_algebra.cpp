@@ -17,6 +17,10 @@ namespace {
 
 constexpr double kNegligibleEigenvalue = 1e-14;
 
+/// Eigenvalues of a rotation's matrix that differ by less than this share of the largest are the same: points
+/// in single precision are on a line to about this.
+constexpr double kSameEigenvalue = 1e-5;
+
 using DenseSolver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
 /// x -> x - scale (normal . x) normal, for the last rows of x (A. Householder, 1958).
@@ -86,8 +90,14 @@ Eigen::Isometry3d rigidMotionBetween(const Eigen::Matrix3Xd& from, const Eigen::
   Eigen::MatrixXd n(4, 4);
   n << s.trace(), turn.transpose(), turn,
       Eigen::Matrix3d(s + s.transpose() - s.trace() * Eigen::Matrix3d::Identity());
-  const Eigen::Vector4d q = symmetricParts(n).vectors.col(3);
-  Eigen::Isometry3d motion(Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
+  const SymmetricParts parts = symmetricParts(n);
+  // of several best ones, as for points on a line, the one that turns least
+  Eigen::Vector4d q = Eigen::Vector4d::Zero();
+  for (int k = 0; k < 4; ++k)
+    if (parts.values[3] - parts.values[k] <= kSameEigenvalue * parts.values[3])
+      q += parts.vectors(0, k) * parts.vectors.col(k);
+  if (q.norm() < kSameEigenvalue) q = parts.vectors.col(3);
+  Eigen::Isometry3d motion(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized());
   motion.translation() = toMean - motion.linear() * fromMean;
   return motion;
 }

@@ -50,7 +50,7 @@ Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix);
 
 /// Returns the rotation and translation that bring points (3 x #points, m) nearest to others: the sum of the
 /// squared distances is least (B. Horn, Closed-form solution of absolute orientation using unit quaternions,
-/// 1987).
+/// 1987). If several rotations do, as for points on a line, returns the smallest one.
 Eigen::Isometry3d rigidMotionBetween(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
 
 /// Matrices up to 10 x 10 and vectors up to 10 entries, without an allocation.

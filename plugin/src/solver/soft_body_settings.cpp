@@ -158,7 +158,7 @@ Result<void> validate(const SoftBodySettings& s) {
 
 Result<void> validate(const SpringSettings& s) {
   const Check checks[] = {
-      {"restLength", s.restLength.value_or(0.0), 0, 1e6, "from 0 to 1e6"},
+      {"restLength", s.restLength.value_or(0.0), 0, 4e6, "from 0 to 4e6"},
       {"stiffness", s.stiffness, 0, 1e12, "from 0 to 1e12"},
       {"damping", s.damping, 0, 1e12, "from 0 to 1e12"},
       {"breakForce", s.breakForce, 0, 1e18, "from 0 to 1e18"},
