@@ -206,6 +206,7 @@ TEST(MultiBodies, aBaseWithoutLinksIsHitAsARigidBox) {
 }
 
 TEST(MultiBodies, aMassFactorMakesABaseAsHeavyAsARigidBox) {
+  if (!test::kSurface) GTEST_SKIP() << "the points of the cube pass the box";
   MultiBodyWorld w(0);
   const btVector3 half = vec(0.3, 0.4, 0.5);
   btMultiBody* base = w.addMultiBody(0, 2, half, vec(1.2, 0, 0), false);

@@ -58,6 +58,7 @@ double top(const SoftBody& body) {
 }
 
 TEST(DynamicPartner, isFoundByEveryPointThatAForceThrowsAtIt) {
+  if (!test::kSurface) GTEST_SKIP() << "Bullet's own contacts stop the points";
   for (const std::uint32_t point : {0u, 7u}) {
     BulletWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
