@@ -266,7 +266,8 @@ TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
 
 TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
   // A sleeping one is at its final pose after the first tick: the number of further ticks is unknown.
-  for (const int ticks : {1, GetParam() == Idiom::Asleep ? 1 : 2, GetParam() == Idiom::Asleep ? 1 : 4}) {
+  for (const int ticks : {1, 2, 4}) {
+    if (GetParam() == Idiom::Asleep && ticks > 1) break;
     BulletWorld bullet(0);
     SoftBodySystem system(*bullet.world);
     Mover slab(bullet, std::make_unique<btBoxShape>(vec(2, 0.05, 2)), at(vec(0, -1, 0)), GetParam());
