@@ -18,7 +18,7 @@ namespace {
 constexpr double kTick = 1.0 / 60;
 constexpr int kSubsteps = 20;
 
-// --- cubes of 8 points and 28 springs that pulsate and rotate ----------------------------------------------
+// --- cubes of 8 points and 28 springs that rotate; all but the first pulsate -------------------------------
 
 struct TestCube {
   PointState state;

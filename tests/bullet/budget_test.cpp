@@ -78,7 +78,7 @@ TEST(BudgetInContact, aBoxRestsOnAStiffCube) {
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
   bullet.simulate(5.0);
   const double radius = pointRadius(body->network(), body->settings());
-  // the cube's half edge, twice its radius, the box and Bullet's margin of 0.04
+  // the cube's edge, twice its radius, and half of the box
   EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), 1.0 + 2.0 * radius + 0.3, 0.02);
   EXPECT_LT(double(box->getLinearVelocity().length()), 0.01);
   EXPECT_LE(body->substeps(), kBudget);
@@ -184,7 +184,7 @@ TEST(Softening, isInverseToTheStiffnessAndGrowsWithTheSquareOfTheBudget) {
 }
 
 TEST(Softening, sparesTheSpringsThatAreSlowEnough) {
-  // a row of three points: one spring of the settings' stiffness, one far softer
+  // a row of four points: one spring of the settings' stiffness, two far softer ones
   SpringNetwork network;
   network.restPoints = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   network.massFractions = {0.25, 0.25, 0.25, 0.25};
