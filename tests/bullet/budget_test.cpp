@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Bodies whose budget (maxSubsteps) is far below what Verlet needs are softened: the number of substeps, what
 // is softened and by how much, and contacts, pins, anchors, links and rigid partners.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -258,13 +259,13 @@ TEST(Softening, keepsMomentaInFreeFlight) {
   s.angularVelocity = {3, -2, 5};
   Played played(test::closedCubeNetwork(), s);
   const Eigen::Vector3d momentum = played.body->linearMomentum(), spin = played.body->angularMomentum();
-  const double energy = played.body->kineticEnergy() + played.body->elasticEnergy();
+  const double energy = test::energyOf(*played.body);
   for (int tick = 0; tick < 300; ++tick) played.bullet.tick();
   EXPECT_LE(played.body->substeps(), kBudget);
   // Bullet's velocities are in single precision
   EXPECT_LT((played.body->linearMomentum() - momentum).norm(), 1e-5 * momentum.norm());
   EXPECT_LT((played.body->angularMomentum() - spin).norm(), 1e-4 * spin.norm());
-  EXPECT_LT(played.body->kineticEnergy() + played.body->elasticEnergy(), 1.01 * energy);
+  EXPECT_LT(test::energyOf(*played.body), 1.01 * energy);
 }
 
 TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
@@ -351,9 +352,7 @@ TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
     double least = 1.0;
     const auto energy = [&] {
       double sum = 0.0;
-      for (const SoftBody* body : {cube, rope})
-        sum += body->kineticEnergy() + body->elasticEnergy() +
-               kGravity * body->totalMass() * body->centerOfMass().y();
+      for (const SoftBody* body : {cube, rope}) sum += test::energyOf(*body, kGravity);
       return sum;
     };
     const double start = energy();

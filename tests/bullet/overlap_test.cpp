@@ -97,9 +97,7 @@ TEST_F(OverlapTest, besideAnotherAlikeItGainsNoEnergy) {
   }
   const auto energy = [&] {
     double sum = 0.0;
-    for (const SoftBody* body : bodies)
-      sum +=
-          body->kineticEnergy() + body->elasticEnergy() + 300.0 * test::kGravity * body->centerOfMass().y();
+    for (const SoftBody* body : bodies) sum += test::energyOf(*body, test::kGravity);
     return sum;
   };
   constexpr double kFine = 1.0 / 240.0;
