@@ -3,7 +3,6 @@
 // rounding, on any number of threads.
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <random>
 #include <stdexcept>
 #include <vector>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The method of Bullet's example browser must give the same picture; otherwise the bench's comparison is not
 // valid.
-#include <cstdlib>
 #include <stdexcept>
 
 #include "baseline_picture.h"
