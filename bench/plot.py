@@ -308,10 +308,10 @@ def plot_networks(results):
 
 
 def plot_render(results):
-    runs = [run for run in results.runs if run.group in ("cubes", "ball") and run.setting == results.runs[-1].setting] or [
-        run for run in results.runs if run.group in ("cubes", "ball")]
+    runs = [run for run in results.runs if run.group in ("cubes", "ball")]
+    context = runs[-1].setting if runs else ""
     largest = "1920x1080" if any("1920x1080" in run.scene for run in runs) else "1280x720"
-    runs = [run for run in runs if largest in run.scene and not run.scene.startswith("64 ")]
+    runs = [run for run in runs if run.setting == context and largest in run.scene and not run.scene.startswith("64 ")]
     if not runs:
         return
     figure, axes = pyplot.subplots(1, 2, figsize=(WIDTH, 0.25 * len(runs) + 1.8), sharey=True, layout="constrained")
@@ -321,7 +321,7 @@ def plot_render(results):
                   lambda run: run.engine)
         finish(one, title, "time of all threads, ms" if "all" in measure else "time of the calling thread, ms")
         one.grid(False, axis="y")
-    titled(figure, "Limber sends many bodies in a fraction of the time; pixels take most of the frame")
+    titled(figure, f"Limber sends many bodies in a fraction of the time; pixels take most of the frame ({context})")
     legend_below(figure, axes[0], 3)
     yield "render", figure
 
@@ -334,7 +334,7 @@ def plot_springs(results):
 
 
 def plot_threads(results):
-    runs = [run for run in results.runs if run.setting != "1 thread"]
+    runs = [run for run in results.runs if "gain" in run.values and run.setting != "1 thread"]
     figure = bars(runs, "gain", lambda run: run.scene, lambda run: run.setting,
                   "Several threads help many bodies and large ones", "speed over one thread; bar ends: measured, "
                   "vertical strokes: the most that is possible")

@@ -151,7 +151,7 @@ def stability_line(runs, name):
     checks = ("finite", "energy", "momentum drift", "angular momentum drift", "shape error", "points on the wrong side")
     ran = [run.values["passed"] for run in runs if "passed" in run.values]
     shapes = [run.texts.get("shape") for run in runs]
-    held = sum(shapes.count(shape) for shape in ("other", "saddle", "spinning"))
+    held = sum(shapes.count(shape) for shape in ("other balance", "saddle", "spinning"))
     return ([name, str(len(runs) - len(ran))] + [miss_ratio(runs, "missed: " + check) for check in checks]
             + [str(shapes.count("mirrored")), str(held), f"{100 * sum(ran) / max(1, len(ran)):.1f} %"])
 
@@ -245,11 +245,13 @@ def springs_tables(results):
                  column=lambda run: f"{run.group}, {run.scene}", brief=True)]
 
 
+def gain_cell(run):
+    return run.texts.get("no result") or f"{number(run.get('gain'))} ({number(run.get('largest possible gain'))})"
+
+
 def threads_tables(results):
     single = [run for run in results.runs if "outside the parallel parts" in run.values]
-    return [grid("Gain over one thread (largest possible gain)", results.runs,
-                 lambda run: f"{number(run.get('gain'))} ({number(run.get('largest possible gain'))})",
-                 column=lambda run: run.setting, brief=True),
+    return [grid("Gain over one thread (largest possible gain)", results.runs, gain_cell, column=lambda run: run.setting, brief=True),
             columns("One thread", single, ["tick, wall time"] + [m for m in single[0].values if "outside" in m or
                                                                  "gain of" in m], label=lambda run: run.scene,
                     brief=True)]

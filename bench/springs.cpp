@@ -4,6 +4,7 @@
 #include "bench.h"
 #include "results.h"
 #include "solver/spring_batches.h"
+#include "support/networks.h"
 #include "timing.h"
 
 #include <Eigen/Geometry>
@@ -18,7 +19,7 @@ namespace {
 constexpr double kTick = 1.0 / 60;
 constexpr int kSubsteps = 20;
 
-// --- cubes of 8 points and 28 springs that pulsate and rotate ----------------------------------------------
+// --- cubes of 8 points and 28 springs that rotate; all but the first pulsate -------------------------------
 
 struct TestCube {
   PointState state;
@@ -29,16 +30,6 @@ struct TestCube {
 };
 
 constexpr double kStiffness = 1000.0, kPointMass = 0.125;
-
-SpringNetwork cubeOfAllPairs() {
-  SpringNetwork network;
-  for (std::uint32_t i = 0; i < 8; ++i) {
-    network.restPoints.emplace_back(i & 1u ? 0.5 : -0.5, i & 2u ? 0.5 : -0.5, i & 4u ? 0.5 : -0.5);
-    network.massFractions.push_back(kPointMass);
-    for (std::uint32_t j = 0; j < i; ++j) network.springs.push_back({j, i, SpringKind::Structural, 1.0});
-  }
-  return network;
-}
 
 void addFloor(TestCube& cube) {
   for (std::uint32_t i = 0; i < 8; ++i) {
@@ -72,12 +63,12 @@ void fill(TestCube& cube, const SpringNetwork& network, int which, double dampin
 
 /// Returns cubes that may share lanes; `resting` gives each the four contacts of one that lies on a floor.
 std::deque<TestCube> makeCubes(int count, double damping, bool resting) {
-  const SpringNetwork network = cubeOfAllPairs();
+  const SharedNetwork network = test::fullCubeNetwork();
   std::deque<TestCube> cubes(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     TestCube& cube = cubes[static_cast<std::size_t>(i)];
     cube.springs = cubes[0].springs;  // equal bodies share their constants
-    fill(cube, network, i, damping, resting);
+    fill(cube, *network, i, damping, resting);
   }
   return cubes;
 }

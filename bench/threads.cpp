@@ -43,15 +43,16 @@ void play(std::deque<ContactStage>& stages, int ticks, int turn) {
 struct Samples {
   std::vector<std::vector<double>> tick, gain;  // ms; #runs, #repeats
   std::vector<double> outside;                  // share of the tick outside the parallel parts, on one thread
+  std::string error;                            // why a run did not finish
 };
 
 void measureOnce(const ContactScene& scene, const Options& options, Samples& samples) {
   TimedInOrder timed;
   std::deque<ThreadPool> pools;
-  std::vector<EngineChoice> choices = {limberChoice("1 thread"),
-                                       limberChoice("1 thread, timed", {}, timed.function())};
+  std::vector<EngineChoice> choices = {usersLimber("1 thread"),
+                                       usersLimber("1 thread, timed", {}, timed.function())};
   for (const unsigned count : threadCounts())
-    choices.push_back(limberChoice(std::to_string(count), {}, pools.emplace_back(count).parallelFor()));
+    choices.push_back(usersLimber(std::to_string(count), {}, pools.emplace_back(count).parallelFor()));
   Options anyEngine = options;
   anyEngine.engines.clear();
   std::deque<ContactStage> stages;
@@ -59,6 +60,9 @@ void measureOnce(const ContactScene& scene, const Options& options, Samples& sam
   play(stages, scene.settleTicks, scene.turn);
   const double settling = timed.milliseconds;
   play(stages, scene.measuredTicks, scene.turn);
+  for (const ContactStage& stage : stages)
+    if (samples.error.empty()) samples.error = stage.error();
+  if (!samples.error.empty()) return;
   samples.tick.resize(stages.size()), samples.gain.resize(stages.size());
   const double single = median(stages[0].wallTicks());
   for (std::size_t i = 0; i < stages.size(); ++i) {
@@ -73,6 +77,8 @@ void measureOnce(const ContactScene& scene, const Options& options, Samples& sam
 double largestGain(double outside, unsigned threads) { return 1.0 / (outside + (1.0 - outside) / threads); }
 
 void addRows(const ContactScene& scene, const Samples& samples, Results& results) {
+  const Subject single{nameOf(scene.role), scene.name, "Limber", "1 thread", 1.0 / kContactTick};
+  if (!samples.error.empty()) return results.note(single, "no result", samples.error);
   std::vector<unsigned> threads = threadCounts();
   threads.insert(threads.begin(), 1);
   const double outside = median(samples.outside);
@@ -85,7 +91,6 @@ void addRows(const ContactScene& scene, const Samples& samples, Results& results
     results.add(subject, "gain", "", samples.gain[run]);
     results.add(subject, "largest possible gain", "", largestGain(outside, threads[i]));
   }
-  const Subject single{nameOf(scene.role), scene.name, "Limber", "1 thread", 1.0 / kContactTick};
   results.add(single, "outside the parallel parts", "%", 100.0 * outside);
   for (const unsigned count : {8u, 64u})
     results.add(single, "largest possible gain of " + std::to_string(count) + " threads", "",
@@ -105,7 +110,7 @@ void runThreads(const Options& options, Results& results) {
   const int repeats = static_cast<int>(options.number("repeats", 3));
   for (const ContactScene& scene : awakeScenes(options)) {
     Samples samples;
-    for (int i = 0; i < repeats; ++i) {
+    for (int i = 0; i < repeats && samples.error.empty(); ++i) {
       progress.show(scene.name, double(i) / repeats);
       measureOnce(scene, options, samples);
     }

@@ -112,14 +112,6 @@ double ContactStage::residualSpeed() const {
 
 namespace {
 
-/// Returns Limber as users have it: with the default volume term of closed bodies, which other benches omit.
-EngineChoice limber(const std::string& setting, const TuneSettings& tune) {
-  return limberChoice(setting, [tune](SoftBodySettings& settings) {
-    settings.volumeModulus = SoftBodySettings().volumeModulus;
-    tune(settings);
-  });
-}
-
 /// Returns btSoftBody with links as stiff as the springs. It does not sleep in btSoftRigidDynamicsWorld.
 EngineChoice softBody(const std::string& setting, int iterations, std::optional<SoftContacts> contacts = {},
                       double hardness = kHardContacts) {
@@ -155,14 +147,23 @@ bool isBudget(const EngineChoice& choice) { return choice.setting.rfind("at most
 
 }  // namespace
 
+EngineChoice usersLimber(const std::string& setting, const TuneSettings& tune,
+                         const ParallelFor& parallelFor) {
+  const auto tuned = [tune](SoftBodySettings& settings) {
+    settings.volumeModulus = SoftBodySettings().volumeModulus;
+    if (tune) tune(settings);
+  };
+  return limberChoice(setting, tuned, parallelFor);
+}
+
 std::vector<EngineChoice> contactEngines() {
   std::vector<EngineChoice> engines = {
-      limber("default", [](SoftBodySettings&) {}),
-      limber("Stepping::fast()", [](SoftBodySettings& s) { s.stepping = Stepping::fast(); }),
-      limber("Collision::Points", [](SoftBodySettings& s) { s.collision = Collision::Points; })};
+      usersLimber("default"),
+      usersLimber("Stepping::fast()", [](SoftBodySettings& s) { s.stepping = Stepping::fast(); }),
+      usersLimber("Collision::Points", [](SoftBodySettings& s) { s.collision = Collision::Points; })};
   for (const int substeps : {5, 10, 20, 40})
-    engines.push_back(limber("at most " + std::to_string(substeps) + " substeps",
-                             [substeps](SoftBodySettings& s) { s.stepping.maxSubsteps = substeps; }));
+    engines.push_back(usersLimber("at most " + std::to_string(substeps) + " substeps",
+                                  [substeps](SoftBodySettings& s) { s.stepping.maxSubsteps = substeps; }));
   for (const int iterations : {1, 4, 10}) engines.push_back(softBody(iterationsText(iterations), iterations));
   engines.push_back(
       {"btDeformable", "implicit", [](const EngineUse&) { return makeDeformableEngine(true); }});

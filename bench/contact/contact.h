@@ -99,6 +99,10 @@ class ContactStage {
 /// is cheaper, but slips off the ball.
 std::vector<EngineChoice> contactEngines();
 
+/// Returns Limber as users have it: with the default volume term of closed bodies, which other benches omit.
+EngineChoice usersLimber(const std::string& setting, const TuneSettings& tune = {},
+                         const ParallelFor& parallelFor = {});
+
 /// Bytes of Limber's bodies in a world after some ticks of free flight, with Bullet's objects for the points
 /// and the overhead of the allocator, without the network, which bodies share.
 struct MemoryUse {

@@ -290,7 +290,8 @@ bool isSmall(const std::string& mesh) {
 /// Deforms the shapes with each rule.
 void measureReturnsOfShapes(const Options& options, Results& results) {
   AnalysisSettings settings;
-  settings.runs = (static_cast<std::uint32_t>(options.number("runs", options.quick ? 20 : 100)) + 4) / 5;
+  const auto runs = static_cast<std::size_t>(options.number("runs", options.quick ? 20 : 100));
+  settings.runs = static_cast<std::uint32_t>((runs + kDeformations - 1) / kDeformations);  // of each kind
   settings.seed = static_cast<std::uint64_t>(options.number("seed", kSeed));
   Progress progress;
   for (const network_shapes::NamedShape& shape : network_shapes::solids()) {

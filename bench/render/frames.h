@@ -127,7 +127,10 @@ class FrameStage {
 
 // --- the parts of the bench ---
 
-/// Turns of each path or method, and frames in each turn.
+/// Frames before the measured ones: shaders are compiled, each region of the ring is touched.
+constexpr int kWarmUp = 4;
+
+/// Turns of each path or method, and frames in each turn. The first frame of a turn is not measured.
 struct Turns {
   int blocks = 5, framesPerBlock = 6;
 };

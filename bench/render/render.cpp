@@ -61,7 +61,6 @@ struct Run {
 
 std::vector<Run> openAll(const FrameCase& frameCase, const std::vector<DrawContext>& contexts,
                          const Options& options) {
-  constexpr int kWarmUp = 4;  // shaders are compiled, each region of the ring touched
   std::vector<Run> runs;
   Eigen::Matrix3Xf points;
   for (const DrawContext& context : contexts) {

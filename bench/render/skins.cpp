@@ -128,11 +128,16 @@ void measureWeights(const char* weights, const FrameScene& scene, const Skin& sk
                                   SkinStage(SkinMethod::Cpu, scene, skin, context),
                                   SkinStage(SkinMethod::Streamed, scene, skin, context)};
   std::array<std::vector<FrameTimes>, 3> samples;
-  for (SkinStage& stage : stages) stage.play(0);  // compiles shaders
+  for (SkinStage& stage : stages)
+    for (int frame = 0; frame < kWarmUp; ++frame) stage.play(frame);
   for (int block = 0; block < turns.blocks; ++block)
-    for (std::size_t m = 0; m < stages.size(); ++m)
-      for (int i = 0; i < turns.framesPerBlock; ++i)
-        samples[m].push_back(stages[m].play(block * turns.framesPerBlock + i));
+    for (std::size_t turn = 0; turn < stages.size(); ++turn) {
+      const std::size_t m = (turn + static_cast<std::size_t>(block)) % stages.size();
+      for (int i = 0; i < turns.framesPerBlock; ++i) {
+        const FrameTimes times = stages[m].play(block * turns.framesPerBlock + i);
+        if (i > 0) samples[m].push_back(times);
+      }
+    }
   const std::string name =
       format("%zu bodies of %zu vertices, %s weights", scene.bodies(), skin.size(), weights);
   for (std::size_t m = 0; m < stages.size(); ++m) {

@@ -2,6 +2,7 @@
 #include "scene/scene.h"
 
 #include "scene/reference.h"
+#include "support/networks.h"
 
 #include <limber/network_builder.h>
 
@@ -156,15 +157,7 @@ void connect(SpringNetwork& network, double maxLength) {
         network.springs.push_back({a, b, SpringKind::Structural, 1.0});
 }
 
-bool isUpper(Eigen::Index point) { return (point & 2) != 0; }  // in the order of cube()
-
-std::shared_ptr<SpringNetwork> cube() {
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 8; ++i) points.emplace_back((i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2 & 1) - 0.5);
-  auto network = withPoints(NetworkKind::Solid, std::move(points));
-  connect(*network, 2.0);
-  return network;
-}
+bool isUpper(Eigen::Index point) { return (point & 2) != 0; }  // in the order of cubeNetwork()
 
 }  // namespace
 
@@ -180,10 +173,10 @@ SharedNetwork loadedChainNetwork(int links, double ratio) {
   return network;
 }
 
-SharedNetwork cubeNetwork() { return cube(); }
+SharedNetwork cubeNetwork() { return test::fullCubeNetwork(); }
 
 SharedNetwork closedCubeNetwork() {
-  auto network = cube();
+  auto network = std::make_shared<SpringNetwork>(*cubeNetwork());
   // two triangles per face, oriented outward
   network->surface = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};

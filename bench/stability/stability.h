@@ -78,7 +78,7 @@ enum class Obstacle : std::uint8_t { Plane, Box, BoxEdge, TriangleMesh };
 const char* nameOf(Obstacle obstacle);
 
 /// Adds the obstacle to the case. The points must end outside it, or at most twice their radius deep in it.
-/// Boxes extend by 10 times `scale` to all sides, the mesh by 15. The edge of the box is along x; its faces
+/// Boxes extend by 10 times `scale` to all sides, the mesh by 6 m. The edge of the box is along x; its faces
 /// slope down at 45 degrees on both sides.
 void setObstacle(HardCase& hard, Obstacle obstacle, double scale = 1.0);
 

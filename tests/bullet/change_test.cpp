@@ -531,14 +531,7 @@ TEST(Push, aForceActsInOneStep) {
 TEST(Push, aHitOnTheSurfaceIsPushedThere) {
   if (!test::kSurface) GTEST_SKIP() << "needs a surface";
   World world;
-  struct Hits final : btCollisionWorld::ClosestRayResultCallback {
-    using ClosestRayResultCallback::ClosestRayResultCallback;
-    int triangle = -1;
-    btScalar addSingleResult(btCollisionWorld::LocalRayResult& r, bool world) override {
-      triangle = r.m_localShapeInfo ? r.m_localShapeInfo->m_triangleIndex : -1;
-      return ClosestRayResultCallback::addSingleResult(r, world);
-    }
-  } hits(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1));
+  test::TriangleRay hits(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1));
   world.bullet.world->rayTest(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1), hits);
   ASSERT_TRUE(hits.hasHit());
   const SurfaceHit hit = surfaceHit(hits.m_collisionObject, hits.triangle, hits.m_hitPointWorld);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Contacts with static bodies add no energy, and do not depend on the units.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -27,11 +28,6 @@ using test::kGravity;
 using test::kPi;
 using test::kTick;
 using test::vec;
-
-/// Returns the kinetic, elastic and potential energy, J.
-double energyWithHeight(const SoftBody& body, double gravity = kGravity) {
-  return body.kineticEnergy() + body.elasticEnergy() + gravity * body.totalMass() * body.centerOfMass().y();
-}
 
 // --- tumbling drops ----------------------------------------------------------------------------------------
 
@@ -94,11 +90,11 @@ double riseInDrop(const SharedNetwork& network, FloorMaker addFloor, unsigned se
   s.linearVelocity = {2.0 * draw(random), 0.0, 2.0 * draw(random)};
   s.angularVelocity = 5.0 * vector();
   const SoftBody* body = *system.createBody(network, s);
-  const double start = energyWithHeight(*body);
+  const double start = test::energyOf(*body, kGravity);
   double rise = 0.0;
   for (int tick = 0; tick < 90 && rise <= allowed; ++tick) {
     bullet.tick(kTick);
-    rise = std::max(rise, energyWithHeight(*body) / start - 1.0);
+    rise = std::max(rise, test::energyOf(*body, kGravity) / start - 1.0);
   }
   return rise;
 }
@@ -145,11 +141,11 @@ TEST(TumblingDrops, pointsThrownBySpringsStayOutside) {
         pose.getOrigin().setY(btScalar(height + 0.03 * i));
         body->point(i)->setWorldTransform(pose);
       }
-      const double start = energyWithHeight(*body, 0.0);
+      const double start = test::energyOf(*body);
       for (int tick = 0; tick < 5; ++tick) {
         bullet.tick(kTick);
         for (std::uint32_t i = 0; i < 2; ++i) EXPECT_GT(body->position(i).y(), 0.0) << height << ", " << tick;
-        EXPECT_LE(energyWithHeight(*body, 0.0), 1.01 * start) << height << ", " << tick;
+        EXPECT_LE(test::energyOf(*body), 1.01 * start) << height << ", " << tick;
       }
     }
 }
@@ -184,13 +180,13 @@ Rebound fall(const Fall& f) {
   s.rotation = f.rotation;
   s.sleepingSpeed = 0.0;
   const SoftBody* body = *system.createBody(f.network, s);
-  const double start = energyWithHeight(*body);
+  const double start = test::energyOf(*body, kGravity);
   Rebound rebound{1.0, 1.0, 0.0};
   bool touched = false;
   for (int tick = 0; tick < 120; ++tick) {
     bullet.tick(kTick);
-    rebound.minEnergy = std::min(rebound.minEnergy, energyWithHeight(*body) / start);
-    rebound.maxEnergy = std::max(rebound.maxEnergy, energyWithHeight(*body) / start);
+    rebound.minEnergy = std::min(rebound.minEnergy, test::energyOf(*body, kGravity) / start);
+    rebound.maxEnergy = std::max(rebound.maxEnergy, test::energyOf(*body, kGravity) / start);
     touched = touched || !body->contacts().empty();
     if (touched) rebound.top = std::max(rebound.top, body->centerOfMass().y());
   }
@@ -259,11 +255,11 @@ double maxEnergyOn(std::unique_ptr<btCollisionShape> shape, const Vector3d& posi
   TriangleMesh mesh = small_meshes::cube();
   for (Vector3d& p : mesh.positions) p *= 0.5;
   const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
-  const double start = energyWithHeight(*body);
+  const double start = test::energyOf(*body, kGravity);
   double largest = 1.0;
   for (double time = 0.0; time < 1.2; time += tick) {
     bullet.tick(tick);
-    largest = std::max(largest, energyWithHeight(*body) / start);
+    largest = std::max(largest, test::energyOf(*body, kGravity) / start);
   }
   return largest;
 }
@@ -302,7 +298,7 @@ double energyLeftAfterImpact(const SharedNetwork& block, bool onTwin, int minSub
   const double before = bodies[0]->kineticEnergy();
   bullet.simulate(0.5);
   double left = 0.0;
-  for (const SoftBody* body : bodies) left += body->kineticEnergy() + body->elasticEnergy();
+  for (const SoftBody* body : bodies) left += test::energyOf(*body);
   return left / (before * static_cast<double>(bodies.size()));
 }
 
@@ -520,10 +516,10 @@ TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
     const double x = draw(random), y = std::abs(draw(random)), z = draw(random);
     pose.setOrigin(pose.getOrigin() + vec(x, y, z));
     corner.setWorldTransform(pose);
-    const double start = energyWithHeight(*body);
+    const double start = test::energyOf(*body, kGravity);
     for (int tick = 0; tick < 40; ++tick) {
       bullet.tick(kTick);
-      ASSERT_LE(energyWithHeight(*body), 2.0 * start) << "seed " << seed << ", tick " << tick;
+      ASSERT_LE(test::energyOf(*body, kGravity), 2.0 * start) << "seed " << seed << ", tick " << tick;
     }
   }
 }
@@ -550,16 +546,11 @@ double riseUnderCone(const SharedNetwork& star, unsigned seed, double& fall) {
   cone->getWorldTransform().setRotation(
       btQuaternion(vec(between(-1, 1), 0.1, between(-1, 1)), btScalar(between(0, 0.5))));
   cone->setLinearVelocity(vec(0, -1.5, 0));
-  const double mass = 1.0 / double(cone->getInvMass());
   double least = HUGE_VAL, rise = 0.0;
   for (int tick = 0; tick < 180; ++tick) {
     bullet.tick();
-    const btVector3 spin = cone->getAngularVelocity();
-    const double motion = 0.5 * mass * double(cone->getLinearVelocity().length2()) +
-                          0.5 * double(spin.dot(cone->getInvInertiaTensorWorld().inverse() * spin));
-    const double energy =
-        energyWithHeight(*soft) + motion + kGravity * mass * double(cone->getCenterOfMassPosition().y());
-    fall = std::max(fall, motion + soft->kineticEnergy());
+    const double energy = test::energyOf(*soft, kGravity) + test::energyOf(*cone, kGravity);
+    fall = std::max(fall, test::kineticEnergyOf(*cone) + soft->kineticEnergy());
     least = std::min(least, energy);
     rise = std::max(rise, energy - least);
   }

@@ -320,15 +320,7 @@ TEST(ContactFilter, knowsTheTriangleOfAMesh) {
   std::size_t asked = 0;
   system.setContactFilter([&](ContactCandidate& c) {
     if (c.distance > 0.05) return;
-    struct Ray final : btCollisionWorld::ClosestRayResultCallback {
-      using ClosestRayResultCallback::ClosestRayResultCallback;
-      int part = -1, triangle = -1;
-      btScalar addSingleResult(btCollisionWorld::LocalRayResult& r, bool inWorld) override {
-        part = r.m_localShapeInfo->m_shapePart;
-        triangle = r.m_localShapeInfo->m_triangleIndex;
-        return ClosestRayResultCallback::addSingleResult(r, inWorld);
-      }
-    } ray(c.position + vec(0.001, 1, 0.0007), c.position + vec(0.001, -1, 0.0007));
+    test::TriangleRay ray(c.position + vec(0.001, 1, 0.0007), c.position + vec(0.001, -1, 0.0007));
     const btTransform from(btQuaternion::getIdentity(), ray.m_rayFromWorld),
         to(btQuaternion::getIdentity(), ray.m_rayToWorld);
     btCollisionWorld::rayTestSingle(from, to, floor, floor->getCollisionShape(), floor->getWorldTransform(),

@@ -48,16 +48,18 @@ TEST_P(SoftCubeOn, bouncesAndComesToRest) {
   s.rotation = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized());
   SoftBody* body = *system.createBody(test::cubeNetwork(), s);
   const double radius = pointRadius(body->network(), body->settings());
-  double deepest = 1e9, afterBounce = 0, before = 0;
+  double deepest = 1e9, impact = 0, afterBounce = 0;
   bool bounced = false;
   for (int i = 0; i < 480; ++i) {
-    before = body->linearMomentum().y();
+    const double before = body->linearMomentum().y();
+    impact = std::max(impact, -before);
     bullet.tick();
     deepest = std::min(deepest, lowest(*body));
     bounced = bounced || (before < 0 && body->linearMomentum().y() > 0.2);
     afterBounce = std::max(afterBounce, bounced ? body->linearMomentum().y() : 0.0);
   }
   EXPECT_TRUE(bounced) << "it must leave the floor again after the first hit";
+  EXPECT_LT(afterBounce, impact) << "no faster than it came";
   EXPECT_TRUE(body->sleeping()) << "after eight seconds all is calm";
   EXPECT_GT(deepest, -radius) << "no point's centre goes through the floor at any time";
   EXPECT_NEAR(lowest(*body), radius, 0.1 * radius) << "it rests on its points";

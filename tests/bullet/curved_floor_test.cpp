@@ -183,10 +183,8 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
       nearest = std::min(nearest, distance(rope->position(p), rope->position(p + 1), {0, 0, z}));
     }
   }
-  // Edge contacts are slightly soft. The points of a rope do not detect an edge between them.
-  if (test::kSurface) {
-    EXPECT_GT(nearest, 0.8 * kRadius);
-  }
+  // edge contacts are slightly soft
+  EXPECT_GT(nearest, 0.8 * kRadius);
 }
 
 /// Drops a cube of half a metre and 8 points onto what is in the world, so that a face hits it. Returns its
@@ -252,7 +250,6 @@ TEST(SurfaceCurves, aBallUnderTheMiddleOfAFaceCarriesIt) {
 /// Between their corners the triangles may be in a ball to some depth. The contact of a triangle whose third
 /// corner is lifted must not begin at that depth: it would throw the corner back in each tick.
 TEST(SurfaceCurves, aCutClothOverABallComesToRest) {
-  if (!test::kSurface) GTEST_SKIP() << "triangles have no contacts";
   constexpr double kBall = 0.15;  // m
   for (const double aside : {0.0, 0.02, 0.04}) {
     BulletWorld bullet;

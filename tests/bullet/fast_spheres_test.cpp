@@ -103,6 +103,7 @@ TEST(FastSpheres, aCubeOfPointsRestsOnAFreeBoxAsWithout) {
     box->setActivationState(DISABLE_DEACTIVATION);
     SoftBodySystem system(*bullet.world);
     SoftBodySettings s;
+    s.collision = Collision::Points;  // points are spheres to Bullet
     s.position = {0, 1.0, 0};
     s.damping = 5;
     s.pointRadius = 0.02;

@@ -217,14 +217,7 @@ TEST(SurfaceGrab, holdsWhatARayHits) {
   SoftBodySystem system(*bullet.world);
   SoftBody* cube = addGrabbedCube(system);
   bullet.tick();
-  struct Ray final : btCollisionWorld::ClosestRayResultCallback {
-    using ClosestRayResultCallback::ClosestRayResultCallback;
-    int triangle = -1;
-    btScalar addSingleResult(btCollisionWorld::LocalRayResult& r, bool inWorld) override {
-      triangle = r.m_localShapeInfo->m_triangleIndex;
-      return ClosestRayResultCallback::addSingleResult(r, inWorld);
-    }
-  } ray(vec(0.3, 0.2, 5), vec(0.3, 0.2, -5));
+  test::TriangleRay ray(vec(0.3, 0.2, 5), vec(0.3, 0.2, -5));
   bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
   ASSERT_TRUE(ray.hasHit());
   Result<Grab> held = grab(system, surfaceHit(ray.m_collisionObject, ray.triangle, ray.m_hitPointWorld));

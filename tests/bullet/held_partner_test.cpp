@@ -59,7 +59,7 @@ struct LinkedToBox {
       EXPECT_TRUE(system.addSpring({soft->point(point)}, {box}, spring));
   }
 
-  double energy() const { return soft->kineticEnergy() + soft->elasticEnergy(); }
+  double energy() const { return test::energyOf(*soft); }
 };
 
 /// Streaming of levels, or a shift of the origin: nothing has moved.

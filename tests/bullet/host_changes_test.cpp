@@ -13,6 +13,7 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace limber {
 namespace {
@@ -154,17 +155,22 @@ TEST(ChangedShape, cornersMovedWithinTheBoundingBoxAreSeen) {
   const double before = scene.before;
   // the bounding box stays the same; the top under the cube sinks by 0.1 m
   auto& hull = *static_cast<btConvexHullShape*>(floor->getCollisionShape());
-  btVector3 low, high;
-  hull.getAabb(btTransform::getIdentity(), low, high);
+  const auto box = [&] {
+    btVector3 low, high;
+    hull.recalcLocalAabb();
+    hull.getAabb(btTransform::getIdentity(), low, high);
+    return std::make_pair(low, high);
+  };
+  const auto boxBefore = box();
   for (int i = 0; i < hull.getNumPoints(); ++i)
     if (hull.getUnscaledPoints()[i].y() > 0 && hull.getUnscaledPoints()[i].x() > 0)
       hull.getUnscaledPoints()[i].setY(hull.getUnscaledPoints()[i].y() - btScalar(0.2));
+  ASSERT_EQ(box(), boxBefore);
   bullet.simulate(0.2);
   EXPECT_LT(body->centerOfMass().y(), before - 0.03);
 }
 
 TEST(ChangedShape, anIdThatTheBroadphaseUsesAgainIsAnotherObject) {
-  BulletWorld unused;
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher(&configuration);
   btAxisSweep3 broadphase(btVector3(-100, -100, -100), btVector3(100, 100, 100));

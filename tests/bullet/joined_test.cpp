@@ -25,19 +25,6 @@ using test::kGravity;
 using test::momentumOf;
 using test::vec;
 
-/// J
-double totalEnergyOf(const btRigidBody& body) {
-  const double mass = 1.0 / double(body.getInvMass());
-  const btVector3 w = body.getAngularVelocity();
-  return 0.5 * mass * double(body.getLinearVelocity().length2()) +
-         0.5 * double(w.dot(body.getInvInertiaTensorWorld().inverse() * w)) +
-         mass * kGravity * double(body.getWorldTransform().getOrigin().y());
-}
-
-double totalEnergyOf(const SoftBody& body) {
-  return body.kineticEnergy() + body.elasticEnergy() + body.totalMass() * kGravity * body.centerOfMass().y();
-}
-
 SoftBodySettings lightlyDamped(double stiffness, double mass) {
   SoftBodySettings s = test::testedSettings();
   s.totalMass = mass;
@@ -65,11 +52,11 @@ void expectNoEnergyIsGained(const Glued& glued, double stiffness) {
   box->setActivationState(DISABLE_DEACTIVATION);
   ASSERT_TRUE(system.attach(cube, 1, *box));
   const btVector3 pivot = box->getWorldTransform().inverse() * vec(0.5, 2.0, -0.5);
-  const double start = totalEnergyOf(*cube) + totalEnergyOf(*box);
+  const double start = test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity);
   double maxEnergy = start, separation = 0;
   for (int i = 0; i < 120; ++i) {
     bullet.tick();
-    maxEnergy = std::max(maxEnergy, totalEnergyOf(*cube) + totalEnergyOf(*box));
+    maxEnergy = std::max(maxEnergy, test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity));
     separation = std::max(separation, (cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm());
   }
   EXPECT_LT(maxEnergy, 1.01 * start);
@@ -200,11 +187,11 @@ void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
   SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
   const auto corner = static_cast<std::uint32_t>(dice.between(0, 8));
   ASSERT_TRUE(system.attach(cube, corner, *box));
-  const double start = totalEnergyOf(*cube) + totalEnergyOf(*box);
+  const double start = test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity);
   double maxEnergy = start;
   for (int i = 0; i < 2 * rate; ++i) {
     bullet.tick(1 / rate);
-    maxEnergy = std::max(maxEnergy, totalEnergyOf(*cube) + totalEnergyOf(*box));
+    maxEnergy = std::max(maxEnergy, test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity));
   }
   // relative to the energy of a fall of one metre
   EXPECT_LT(maxEnergy - start, 0.01 * (mass + softMass) * kGravity)
@@ -267,7 +254,7 @@ std::pair<double, double> energyGained(const MakeJoint& make, double rate) {
   Driven d(make);
   const auto energy = [&] {
     const double y = double(d.box->getWorldTransform().getOrigin().y());
-    return totalEnergyOf(*d.cube) + totalEnergyOf(*d.box) + 0.5 * kSpring * y * y;
+    return test::energyOf(*d.cube, kGravity) + test::energyOf(*d.box, kGravity) + 0.5 * kSpring * y * y;
   };
   const double start = energy();
   double maxGain = -HUGE_VAL, minGain = HUGE_VAL;

@@ -199,7 +199,7 @@ TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
   SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
   ASSERT_TRUE(system.attach(rope, 0, *mover.body()));
   bullet.simulate(2.0);
-  const double energy = rope->kineticEnergy() + rope->elasticEnergy();
+  const double energy = test::energyOf(*rope);
   const Vector3d tip = rope->position(8);
   const btVector3 away = vec(40, 5, -3);
   mover.moveTo(at(vec(0, 3, 0) + away));
@@ -210,7 +210,7 @@ TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
   bullet.tick();
   EXPECT_LT((rope->position(8) - tip - Vector3d(40, 5, -3)).norm(), 0.2);
   // it goes on swinging: in a tick gravity changes the energy by little
-  EXPECT_NEAR(rope->kineticEnergy() + rope->elasticEnergy(), energy, 0.3 * energy + 0.1);
+  EXPECT_NEAR(test::energyOf(*rope), energy, 0.3 * energy + 0.1);
 }
 
 /// With both of its poses in Bullet, as in games of endless roads and in rollbacks, between two steps in
@@ -266,7 +266,8 @@ TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
 
 TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
   // A sleeping one is at its final pose after the first tick: the number of further ticks is unknown.
-  for (const int ticks : {1, GetParam() == Idiom::Asleep ? 1 : 2, GetParam() == Idiom::Asleep ? 1 : 4}) {
+  for (const int ticks : {1, 2, 4}) {
+    if (GetParam() == Idiom::Asleep && ticks > 1) break;
     BulletWorld bullet(0);
     SoftBodySystem system(*bullet.world);
     Mover slab(bullet, std::make_unique<btBoxShape>(vec(2, 0.05, 2)), at(vec(0, -1, 0)), GetParam());

@@ -297,7 +297,7 @@ TEST(Pin, holdsAndLetsGoWhereAPointWasMoved) {
     ASSERT_TRUE(pinnedBefore ? body->unpin(7) : body->pin(7));
     bullet.tick();
     EXPECT_NEAR((body->position(7) - start).x(), 0.5, 1e-6) << pinnedBefore;
-    EXPECT_LT(body->kineticEnergy() + body->elasticEnergy(), 1e-6) << pinnedBefore;
+    EXPECT_LT(test::energyOf(*body), 1e-6) << pinnedBefore;
   }
 }
 
@@ -453,11 +453,8 @@ struct TumblingPlank {
   }
 
   double energy() const {
-    const Eigen::Vector3d local =
-        eigen(plank->getWorldTransform().getBasis().transpose() * plank->getAngularVelocity());
-    double sum = 1.5 * double(plank->getLinearVelocity().length2()) +
-                 0.5 * local.cwiseAbs2().dot(eigen(plank->getLocalInertia()));
-    for (const SoftBody* rope : ropes) sum += rope->kineticEnergy() + rope->elasticEnergy();
+    double sum = test::kineticEnergyOf(*plank);
+    for (const SoftBody* rope : ropes) sum += test::energyOf(*rope);
     return sum;
   }
 
@@ -513,14 +510,8 @@ TEST(Attach, toASlenderHandleThatSpinsItGainsNoEnergy) {
     handle->setAngularVelocity(test::vec(0, spin, 0));
     lower->setVelocity(btVector3(1, 0, 0));
     const auto energy = [&] {
-      const Eigen::Vector3d local =
-          eigen(handle->getWorldTransform().getBasis().transpose() * handle->getAngularVelocity());
-      double sum = 0.1 * double(handle->getLinearVelocity().length2()) +
-                   0.5 * local.cwiseAbs2().dot(eigen(handle->getLocalInertia())) +
-                   0.2 * test::kGravity * handle->getWorldTransform().getOrigin().y();
-      for (const SoftBody* body : {upper, lower})
-        sum += body->kineticEnergy() + body->elasticEnergy() +
-               s.totalMass * test::kGravity * body->centerOfMass().y();
+      double sum = test::energyOf(*handle, test::kGravity);
+      for (const SoftBody* body : {upper, lower}) sum += test::energyOf(*body, test::kGravity);
       return sum;
     };
     const double start = energy();

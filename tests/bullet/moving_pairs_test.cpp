@@ -455,7 +455,7 @@ std::pair<double, Vector3d> leftAfterHit(double rate) {
   rigid->setLinearVelocity(vec(std::sqrt(2.0 * 8.88), 0, 0));
   bullet.simulate(1.0, 1.0 / rate);
   const Vector3d velocity = eigen(rigid->getLinearVelocity());
-  return {soft->kineticEnergy() + soft->elasticEnergy() + 0.5 * velocity.squaredNorm(), velocity};
+  return {test::energyOf(*soft) + 0.5 * velocity.squaredNorm(), velocity};
 }
 
 /// Both fall by g dt^2 in the first tick, 44 mm at 1/15 s, until the floor stops the cube in it.
@@ -544,8 +544,6 @@ TEST(PointPairs, smoothPointsShareTheirSpeedAlongTheLineBetweenThem) {
   EXPECT_LT((left + right - speed).norm(), 1e-6);
 }
 
-double energyOf(const SoftBody& body) { return body.kineticEnergy() + body.elasticEnergy(); }
-
 /// Lets two stiff cubes collide at random rotations. Returns their largest energy as a fraction of the
 /// initial one, and the change of momentum as a fraction of `speed`.
 std::pair<double, double> collideStiffCubes(double speed, unsigned attitude) {
@@ -563,12 +561,12 @@ std::pair<double, double> collideStiffCubes(double speed, unsigned attitude) {
   s.linearVelocity = {-speed, 0, 0};
   s.rotation = Eigen::AngleAxisd(2.0, randomVector().normalized());
   SoftBody* right = *system.createBody(test::closedCubeNetwork(), s);
-  const double start = energyOf(*left) + energyOf(*right);
+  const double start = test::energyOf(*left) + test::energyOf(*right);
   const Vector3d momentum = momentumOf(*left) + momentumOf(*right);
   double largest = 0.0;
   for (int tick = 0; tick < 90; ++tick) {
     bullet.tick();
-    largest = std::max(largest, (energyOf(*left) + energyOf(*right)) / start);
+    largest = std::max(largest, (test::energyOf(*left) + test::energyOf(*right)) / start);
   }
   return {largest, (momentumOf(*left) + momentumOf(*right) - momentum).norm() / speed};
 }

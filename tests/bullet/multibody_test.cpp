@@ -247,7 +247,7 @@ TEST(MultiBodies, aChainInSpaceKeepsAllMomentaInAHit) {
     double jointSpeed = 0;
     for (int i = 0; i < rate; ++i) {
       w.tick(1.0 / rate);
-      double energy = cube->kineticEnergy() + cube->elasticEnergy();
+      double energy = test::energyOf(*cube);
       const Momenta m = momentaOf(*chain, energy);
       // Bullet keeps the joint speeds, not the momenta of a rotating chain, and the impulses of a tick are
       // those at its start: an error of the tick's order
@@ -278,7 +278,7 @@ TEST(MultiBodies, aDoorSwingsOpenWhenItIsHit) {
   double farthest = -1;
   for (int i = 0; i < 45; ++i) {
     w.tick();
-    double energy = cube->kineticEnergy() + cube->elasticEnergy();
+    double energy = test::energyOf(*cube);
     momentaOf(*frame, energy);
     ASSERT_LT(energy, 4.5 * 1.02) << "tick " << i;
     // the hinge transfers forces but no torque about its axis: the sum is m v r of the cube
@@ -317,7 +317,7 @@ TEST(MultiBodies, whatACubeHitsWhenItReboundsWithinATickKeepsMomentum) {
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
   for (int i = 0; i < 3; ++i) {
     w.tick(1.0 / 15);
-    double energy = cube->kineticEnergy() + cube->elasticEnergy();
+    double energy = test::energyOf(*cube);
     Vector3d momentum = cube->linearMomentum();
     for (const auto& body : w.multiBodies) momentum += momentaOf(*body, energy).linear;
     // within the rounding of Bullet's floats

@@ -97,9 +97,7 @@ TEST_F(OverlapTest, besideAnotherAlikeItGainsNoEnergy) {
   }
   const auto energy = [&] {
     double sum = 0.0;
-    for (const SoftBody* body : bodies)
-      sum +=
-          body->kineticEnergy() + body->elasticEnergy() + 300.0 * test::kGravity * body->centerOfMass().y();
+    for (const SoftBody* body : bodies) sum += test::energyOf(*body, test::kGravity);
     return sum;
   };
   constexpr double kFine = 1.0 / 240.0;
@@ -155,7 +153,6 @@ TEST_F(OverlapTest, ofAStaticSolidItGetsOut) {
     }
 }
 
-/// The nearest ways out of the cube's points lead to all sides of the box.
 /// The solid passes right through the body, which has points on both sides of it, or is inside, where the
 /// body has no points.
 TEST_F(OverlapTest, ofAStaticSolidThatPassesThroughItItGetsOut) {
@@ -185,6 +182,7 @@ TEST_F(OverlapTest, ofAStaticSolidThatPassesThroughItItGetsOut) {
     expectOut(std::make_unique<btSphereShape>(btScalar(0.1)), half, {0.02, y, 0.0});
 }
 
+/// The nearest ways out of the cube's points lead to all sides of the box.
 TEST_F(OverlapTest, ofAStaticBoxThatIsPutOverItItGetsOut) {
   enum class Way { Added, Moved, Scaled, Kinematic };
   for (const Way way : {Way::Added, Way::Moved, Way::Scaled, Way::Kinematic}) {

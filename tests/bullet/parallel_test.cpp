@@ -204,7 +204,7 @@ std::vector<std::uint64_t> hashesOf(Fair& fair, int ticks) {
   return hashes;
 }
 
-constexpr int kFairTicks = 60;
+constexpr int kFairTicks = 30;
 
 /// Returns the hashes on one thread.
 const std::vector<std::uint64_t>& expectedHashes() {
@@ -216,7 +216,7 @@ const std::vector<std::uint64_t>& expectedHashes() {
 }
 
 TEST(ParallelTick, givesTheSameBitsOnAnyNumberOfThreads) {
-  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+  for (const unsigned threads : {1u, 3u}) {
     Fair fair;
     ThreadPool pool(threads);
     fair.system.setParallelFor(pool.parallelFor(), 0);
@@ -283,7 +283,7 @@ struct TogetherScene {
 TEST(ParallelTick, largeBodiesAndPilesHaveTheSameBitsOnAnyNumberOfThreads) {
   for (const Together kind : {Together::Cloth, Together::ClothWithBoxes, Together::Pile}) {
     std::vector<std::uint64_t> expected;
-    for (const unsigned threads : {0u, 1u, 2u, 3u, 8u}) {
+    for (const unsigned threads : {0u, 2u, 3u}) {
       SCOPED_TRACE(testing::Message() << "scene " << int(kind) << ", threads " << threads);
       TogetherScene scene(kind);
       ThreadPool pool(std::max(threads, 1u));

@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 namespace limber {
@@ -36,19 +35,10 @@ btRigidBody* addAwakeBox(BulletWorld& bullet, double half, double mass, const bt
 }
 
 /// Calls a function once, after the solver and, if it was added first, before the system.
-struct OneTimeAction final : btActionInterface {
-  std::function<void()> callback;
-  void updateAction(btCollisionWorld*, btScalar) override {
-    if (callback) callback();
-    callback = nullptr;
-  }
-  void debugDraw(btIDebugDraw*) override {}
-};
-
 /// A soft cube next to a stack of two rigid boxes on the floor. It touches the lower box.
 struct CubeAtAStack {
   BulletWorld bullet;
-  OneTimeAction action;
+  test::ActionOnce action;
   btRigidBody *lower, *upper;
   std::unique_ptr<SoftBodySystem> system;
   SoftBody* cube;
@@ -84,7 +74,7 @@ TEST(RigidNeighbours, standWhenTheLastSoftBodyGoes) {
 
 TEST(RigidNeighbours, standWhenTheLastSoftBodyGoesInsideATick) {
   CubeAtAStack scene;
-  scene.action.callback = [&] { scene.system->destroyBody(scene.cube); };
+  scene.action.act = [&] { scene.system->destroyBody(scene.cube); };
   scene.expectTheStackToStand();
 }
 
@@ -105,7 +95,7 @@ TEST(RigidNeighbours, mayGoInATickBeforeTheSystemHearsOfItsEnd) {
   CubeAtAStack scene;
   auto* hinge = new btHingeConstraint(*scene.upper, vec(0, 0.4, 0), vec(0, 1, 0));
   scene.bullet.world->addConstraint(hinge);
-  scene.action.callback = [&] {
+  scene.action.act = [&] {
     scene.bullet.world->removeConstraint(hinge);
     delete hinge;
     for (btRigidBody* box : {scene.lower, scene.upper}) {
@@ -315,11 +305,7 @@ struct BoxAboveBoard {
 
   double energy() const {
     double sum = 0.0;
-    for (const btRigidBody* body : {board, box})
-      sum += (9.81 * heightOf(*body) + 0.5 * double(body->getLinearVelocity().length2())) /
-                 double(body->getInvMass()) +
-             0.5 * double(body->getAngularVelocity().dot(body->getInvInertiaTensorWorld().inverse() *
-                                                         body->getAngularVelocity()));
+    for (const btRigidBody* body : {board, box}) sum += test::energyOf(*body, 9.81);
     for (const SpringConstraint* spring : springs)
       sum += 0.5 * spring->settings().stiffness * std::pow(std::max(0.0, spring->length() - 1.0), 2);
     return sum;

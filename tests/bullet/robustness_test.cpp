@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Unusual scenes: networks without springs, values that are not finite, invalid links, state between ticks,
 // and pins of two bodies in one place.
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
@@ -13,9 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <utility>
 
 namespace limber {
 namespace {
@@ -161,18 +160,10 @@ TEST_F(NotFinite, readBeforeTheTick) {
   expectRecovery();
 }
 
-struct ActionOnce : btActionInterface {
-  std::function<void()> act;
-  void updateAction(btCollisionWorld*, btScalar) override {
-    if (act) std::exchange(act, nullptr)();
-  }
-  void debugDraw(btIDebugDraw*) override {}
-};
-
 /// An action that runs before the end of the tick, when the step has been checked already.
 TEST(NotFiniteAction, isRepairedAtTheEndOfTheTick) {
   BulletWorld bullet;
-  ActionOnce action;
+  test::ActionOnce action;
   bullet.world->addAction(&action);
   {
     SoftBodySystem system(*bullet.world);
@@ -419,10 +410,7 @@ struct HeldNearby {
 
   static double energyOf(const SoftBodySystem& system) {
     double sum = 0.0;
-    for (std::size_t b = 0; b < system.bodyCount(); ++b) {
-      const SoftBody& body = *system.body(b);
-      sum += body.kineticEnergy() + body.elasticEnergy() + 10.0 * body.totalMass() * body.centerOfMass().y();
-    }
+    for (std::size_t b = 0; b < system.bodyCount(); ++b) sum += test::energyOf(*system.body(b), 10.0);
     return sum;
   }
 };

@@ -380,7 +380,6 @@ double heightOfPooled(int out, bool asRigid) {
 }
 
 TEST(SurfaceLife, aBodyThatTheApplicationAddsAgainFallsOn) {
-  if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
   const double height = heightOfPooled(-1, false);
   for (const int out : {0, 30})
     for (const bool asRigid : {false, true})

@@ -19,15 +19,6 @@ using test::BulletWorld;
 using test::eigen;
 
 /// Records the triangle that Bullet reports for a ray's hit.
-struct Ray final : btCollisionWorld::ClosestRayResultCallback {
-  using ClosestRayResultCallback::ClosestRayResultCallback;
-  int triangle = -1;
-  btScalar addSingleResult(btCollisionWorld::LocalRayResult& result, bool normalInWorldSpace) override {
-    if (result.m_localShapeInfo) triangle = result.m_localShapeInfo->m_triangleIndex;
-    return ClosestRayResultCallback::addSingleResult(result, normalInWorldSpace);
-  }
-};
-
 struct Contacts final : btCollisionWorld::ContactResultCallback {
   const btCollisionObject* surface = nullptr;
   int triangle = -1, found = 0;
@@ -88,7 +79,7 @@ TEST_F(SurfaceQuery, aRayHitsTheMiddleOfEveryTriangle) {
     for (int i = 0; i < 3; ++i) x.col(i) = body->position(surface[t][static_cast<std::size_t>(i)]);
     const Eigen::Vector3d normal = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).normalized();
     const Eigen::Vector3d target = x * weights, from = target + 0.1 * normal, to = target - 0.1 * normal;
-    Ray ray(test::vec(from.x(), from.y(), from.z()), test::vec(to.x(), to.y(), to.z()));
+    test::TriangleRay ray(test::vec(from.x(), from.y(), from.z()), test::vec(to.x(), to.y(), to.z()));
     bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
     ASSERT_TRUE(ray.hasHit()) << t;
     EXPECT_EQ(ray.m_collisionObject, body->surfaceObject());
@@ -175,7 +166,7 @@ TEST(SurfaceOfARope, isFoundAlongItsSprings) {
        {std::pair(test::vec(1, 0, 0), test::vec(0, 0, 1)), std::pair(test::vec(0, 0, 1), test::vec(1, 0, 0))})
     for (const double off : {0.0, 0.04, 0.06}) {
       const btVector3 target = test::vec(0, 1 - 0.65, 0) + side * test::vec(off, 0, 0).x();
-      Ray ray(target - direction, target + direction);
+      test::TriangleRay ray(target - direction, target + direction);
       bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
       EXPECT_EQ(ray.hasHit(), off < 0.05);
       if (!ray.hasHit()) continue;
@@ -196,7 +187,7 @@ TEST(SurfaceQueries, findAMovedBodyAtOnce) {
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
   bullet.tick();
   const auto isHitAt = [&](double x) {
-    Ray ray(test::vec(x, 5, 0.5), test::vec(x, -5, 0.5));
+    test::TriangleRay ray(test::vec(x, 5, 0.5), test::vec(x, -5, 0.5));
     bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
     return ray.hasHit();
   };

@@ -3,6 +3,7 @@
 #include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/small_meshes.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -120,40 +121,17 @@ SharedNetwork rope() {
   return *buildRope(s);
 }
 
-TriangleMesh boxMesh(int cells) {
-  // closed, two triangles in each cell of each face
-  TriangleMesh mesh;
-  const auto place = [&](int axis, int side, int u, int v) {
-    Vector3d x;
-    x[axis] = side - 0.5;
-    x[(axis + 1) % 3] = double(u) / cells - 0.5;
-    x[(axis + 2) % 3] = double(v) / cells - 0.5;
-    mesh.positions.push_back(x);
-    return static_cast<std::uint32_t>(mesh.positions.size() - 1);
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 2; ++side)
-      for (int u = 0; u < cells; ++u)
-        for (int v = 0; v < cells; ++v) {
-          const std::uint32_t a = place(axis, side, u, v), b = place(axis, side, u + 1, v),
-                              c = place(axis, side, u + 1, v + 1), d = place(axis, side, u, v + 1);
-          for (const Triangle& t : {Triangle{a, b, c}, Triangle{a, c, d}})
-            mesh.triangles.push_back(side == 1 ? t : Triangle{t[0], t[2], t[1]});
-        }
-  return mesh;
-}
-
 SharedNetwork braced() {
   NetworkSettings s;
   s.braces = BraceRule::TwoRing;
-  return *buildNetwork(boxMesh(3), s);
+  return *buildNetwork(small_meshes::cube(3), s);
 }
 
 SharedNetwork filled() {
   static const SharedNetwork network = [] {
     MaterialMesh s;
     s.points = 60;
-    return *buildMaterialNetwork(boxMesh(3), s);
+    return *buildMaterialNetwork(small_meshes::cube(3), s);
   }();
   return network;
 }
@@ -309,21 +287,12 @@ TEST(Cut, rayTestsFindBothHalves) {
 }
 
 TEST(Cut, withinATickItIsMadeAtItsEnd) {
-  struct Action final : btActionInterface {
-    SoftBody* body = nullptr;
-    bool done = false;
-    void updateAction(btCollisionWorld*, btScalar) override {
-      if (std::exchange(done, true)) return;
-      EXPECT_EQ(cut(body, vec(0.01, 0, 0), vec(1, 0, 0)), 0u);
-    }
-    void debugDraw(btIDebugDraw*) override {}
-  };
   BulletWorld bullet(0.0);
-  Action action;
+  test::ActionOnce action;
   bullet.world->addAction(&action);
   SoftBodySystem system(*bullet.world);
   SoftBody* body = *system.createBody(cloth(), test::testedSettings());
-  action.body = body;
+  action.act = [&] { EXPECT_EQ(cut(body, vec(0.01, 0, 0), vec(1, 0, 0)), 0u); };
   const std::uint32_t count = body->pointCount();
   bullet.tick();
   EXPECT_EQ(body->pointCount(), count);

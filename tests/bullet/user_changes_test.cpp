@@ -10,9 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <utility>
-
 namespace limber {
 namespace {
 
@@ -216,25 +213,17 @@ TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
   EXPECT_LT(sim.body->elasticEnergy(), 1e-6) << "overlapping points of one body would push each other apart";
 }
 
-struct Push : btActionInterface {
-  btRigidBody* point = nullptr;
-  void updateAction(btCollisionWorld*, btScalar) override {
-    if (point) std::exchange(point, nullptr)->applyCentralImpulse(test::vec(1, 0, 0));
-  }
-  void debugDraw(btIDebugDraw*) override {}
-};
-
 /// Actions that were added before the soft bodies run before the end of their tick.
 TEST(UserChanges, anActionsImpulseOnAPointCounts) {
   for (const bool early : {true, false}) {
     BulletWorld bullet(0);
-    Push push;
+    test::ActionOnce push;
     if (early) bullet.world->addAction(&push);
     {
       SoftBodySystem system(*bullet.world);
       SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
       if (!early) bullet.world->addAction(&push);
-      push.point = body->point(0);
+      push.act = [&] { body->point(0)->applyCentralImpulse(test::vec(1, 0, 0)); };
       bullet.tick();
       bullet.tick();
       EXPECT_NEAR(body->linearMomentum().x(), 1.0, 1e-6) << early;
@@ -243,19 +232,10 @@ TEST(UserChanges, anActionsImpulseOnAPointCounts) {
   }
 }
 
-/// An action that was added before the soft bodies runs before the end of their tick.
-struct EarlyAction final : btActionInterface {
-  std::function<void()> run;
-  void updateAction(btCollisionWorld*, btScalar) override {
-    if (run) std::exchange(run, nullptr)();
-  }
-  void debugDraw(btIDebugDraw*) override {}
-};
-
 /// A cube that flies at 0.3 m/s, and that an early action changes once.
 struct ChangedCube {
   BulletWorld bullet{0};
-  EarlyAction action;
+  test::ActionOnce action;
   SoftBodySystem system{(bullet.world->addAction(&action), *bullet.world)};
   SoftBody* body;
 
@@ -268,7 +248,7 @@ struct ChangedCube {
 
   template <class Change>
   void change(Change change) {
-    action.run = [=] { ASSERT_TRUE(change(*body)); };
+    action.act = [=] { ASSERT_TRUE(change(*body)); };
     bullet.tick();
     bullet.tick();
   }

@@ -4,6 +4,7 @@
 #include <limber/network_builder.h>
 
 #include "analysis/analysis.h"
+#include "cook/cooked_figure.h"
 #include "network/masses.h"
 #include "network/material.h"
 #include "network/tetrahedra.h"
@@ -132,9 +133,7 @@ TEST(MaterialNetwork, hasTheCentreAndNearlyTheInertiaOfTheSolid) {
 /// at each corner a few points at the tips of limbs decide it; a smallest mass of a fifth of the mean leaves
 /// small and stiff points too light.
 TEST(MaterialNetwork, givesMassToThePointsThatLimitTheTimeStep) {
-  const Result<CookedMesh> cooked = cook(test_shapes::figure());
-  ASSERT_TRUE(cooked) << cooked.error();
-  const SpringNetwork& network = *cooked->bodies[0];
+  const SpringNetwork& network = *test::cookedFigure().bodies[0];
   SpringNetwork quarters = network;
   quarters.massFractions.assign(network.restPoints.size(), 0.0);
   for (const Tetrahedron& t : network.tetrahedra)

@@ -147,12 +147,7 @@ TEST(Analyse, nearlyFlatIsFlat) {
 /// Returns the mesh with a scaled copy at `displacement`, whose triangles are inverted.
 limber::TriangleMesh withInvertedCopy(const limber::TriangleMesh& mesh, const Eigen::Vector3d& displacement,
                                       double scale) {
-  limber::TriangleMesh both = mesh;
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (const Eigen::Vector3d& p : mesh.positions) both.positions.push_back(scale * p + displacement);
-  for (const limber::Triangle& t : mesh.triangles)
-    both.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
-  return both;
+  return small_meshes::joined(mesh, small_meshes::inverted(small_meshes::moved(mesh, displacement, scale)));
 }
 
 TEST(Analyse, piecesAreJudgedEachByItself) {
@@ -172,16 +167,12 @@ TEST(Analyse, piecesAreJudgedEachByItself) {
   EXPECT_FALSE(hasRemark(two, "collapses"));
 }
 
-limber::TriangleMesh flipped(limber::TriangleMesh mesh) {
-  for (limber::Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-  return mesh;
-}
-
 TEST(Analyse, surfacesThatFaceInwardAreTurned) {
   AnalysisSettings settings;
   settings.runs = 2;
   const limber::TriangleMesh ball = network_shapes::ico42();
-  const SharedNetwork outward = *limber::buildNetwork(ball), inward = *limber::buildNetwork(flipped(ball));
+  const SharedNetwork outward = *limber::buildNetwork(ball);
+  const SharedNetwork inward = *limber::buildNetwork(small_meshes::inverted(ball));
   EXPECT_EQ(inward->surface, outward->surface);
   EXPECT_EQ(inward->render.triangles, outward->render.triangles);
   EXPECT_EQ(describe(analyse(*inward, settings)), describe(analyse(*outward, settings)));
@@ -196,7 +187,7 @@ TEST(Analyse, hollowsFaceIntoThemselves) {
   const SharedNetwork hollow = bare(shell);
   EXPECT_EQ(hollow->render.triangles, shell.triangles);
   EXPECT_NEAR(analyseQuickly(*hollow).volume, 1.0 - 0.125, 1e-12);
-  EXPECT_EQ(bare(flipped(shell))->surface, hollow->surface);
+  EXPECT_EQ(bare(small_meshes::inverted(shell))->surface, hollow->surface);
   EXPECT_NEAR(analyseQuickly(*bare(withInvertedCopy(network_shapes::cube8(), {2, 0, 0}, 0.5))).volume, 1.125,
               1e-12);
 }

@@ -17,11 +17,13 @@
 
 using limber::kPi;
 using limber::Modes;
+using limber::product;
 using limber::SharedNetwork;
 using limber::SmallDeformations;
 using limber::smallDeformations;
 using limber::softestModes;
 using limber::SpringNetwork;
+using limber::transposedProduct;
 using network_shapes::bare;
 
 namespace {
@@ -157,9 +159,10 @@ TEST(SoftestModes, areTheEigenvectors) {
     const double stiffest = all[all.size() - 1];
     // the residuals are 1e-5 of the eigenvalues of the inverse
     EXPECT_LT((modes.eigenvalues - all.head(30)).cwiseAbs().maxCoeff(), 1e-7 * stiffest);
-    EXPECT_LT((modes.shapes.transpose() * modes.shapes - Eigen::MatrixXd::Identity(30, 30)).norm(), 1e-9);
-    EXPECT_LT((rigid.transpose() * modes.shapes).norm(), 1e-8);
-    EXPECT_LT((stiffness * modes.shapes - modes.shapes * modes.eigenvalues.asDiagonal()).norm(),
+    EXPECT_LT((transposedProduct(modes.shapes, modes.shapes) - Eigen::MatrixXd::Identity(30, 30)).norm(),
+              1e-9);
+    EXPECT_LT(transposedProduct(rigid, modes.shapes).norm(), 1e-8);
+    EXPECT_LT((product(stiffness, modes.shapes) - modes.shapes * modes.eigenvalues.asDiagonal()).norm(),
               1e-4 * stiffest);
   }
 }
@@ -179,7 +182,7 @@ TEST(SoftestModes, areModesEvenWhereTheyAreNotExact) {
   for (const Eigen::Index count : {10, 30}) {
     const Eigen::MatrixXd shapes = softestModes(uneven, static_cast<std::size_t>(count)).shapes;
     ASSERT_EQ(shapes.cols(), count);
-    EXPECT_LT((shapes.transpose() * shapes - Eigen::MatrixXd::Identity(count, count)).norm(), 1e-8);
+    EXPECT_LT((transposedProduct(shapes, shapes) - Eigen::MatrixXd::Identity(count, count)).norm(), 1e-8);
   }
 }
 

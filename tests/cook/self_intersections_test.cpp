@@ -16,14 +16,8 @@ namespace {
 /// Two balls of radius 1, `apart` metres from each other along x, and a little displaced along y and z: exact
 /// mirror images would touch edge to edge.
 TriangleMesh twoBalls(double apart) {
-  TriangleMesh mesh = small_meshes::icosphere(2);
-  const TriangleMesh ball = mesh;
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (const Eigen::Vector3d& p : ball.positions)
-    mesh.positions.push_back(p + Eigen::Vector3d(apart, 0.1, 0.05));
-  for (const Triangle& t : ball.triangles)
-    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  return mesh;
+  const TriangleMesh ball = small_meshes::icosphere(2);
+  return small_meshes::joined(ball, small_meshes::moved(ball, {apart, 0.1, 0.05}));
 }
 
 std::size_t piercingEdges(const TriangleMesh& mesh) {

@@ -3,6 +3,7 @@
 
 #include "support/network_shapes.h"
 #include "support/networks.h"
+#include "support/small_meshes.h"
 
 #include <limber/network_builder.h>
 
@@ -61,12 +62,7 @@ TEST(StandingStiffness, isProportionalToWeightOverSize) {
 }
 
 limber::TriangleMesh twoCubes(const limber::TriangleMesh& upper) {
-  limber::TriangleMesh both = network_shapes::cube8();
-  const auto first = static_cast<std::uint32_t>(both.positions.size());
-  for (const Eigen::Vector3d& p : upper.positions) both.positions.push_back(p + Eigen::Vector3d(0, 9, 0));
-  for (const limber::Triangle& t : upper.triangles)
-    both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  return both;
+  return small_meshes::joined(network_shapes::cube8(), small_meshes::moved(upper, {0, 9, 0}));
 }
 
 /// Each piece stands on the ground: a piece in the air does not fall, and its size is not measured relative

@@ -116,12 +116,9 @@ TEST(Simplify, borderOfASheetStays) {
 }
 
 TEST(Simplify, componentsStayApart) {
-  TriangleMesh mesh = small_meshes::icosphere(3);
-  const TriangleMesh copy = mesh;
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (const auto& p : copy.positions) mesh.positions.emplace_back(0.3 * p + Eigen::Vector3d(1.31, 0, 0));
-  for (const auto& t : copy.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  const WeldedMesh result = coarse(mesh, 60);
+  const TriangleMesh ball = small_meshes::icosphere(3);
+  const WeldedMesh result =
+      coarse(small_meshes::joined(ball, small_meshes::moved(ball, {1.31, 0, 0}, 0.3)), 60);
   EXPECT_EQ(result.points.size(), 60u);
   EXPECT_EQ(result.report.components, 2u);
   EXPECT_TRUE(result.report.watertight());

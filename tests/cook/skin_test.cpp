@@ -204,15 +204,8 @@ TEST(Skin, partsThatNearlyTouchDoNotDragEachOther) {
 }
 
 TEST(Skin, bodiesApartDoNotDragEachOther) {
-  TriangleMesh mesh = small_meshes::icosphere(2);
-  const std::size_t half = mesh.positions.size();
-  for (std::size_t i = 0; i < half; ++i) mesh.positions.emplace_back(mesh.positions[i] + Vector3d(2.1, 0, 0));
-  const std::size_t triangles = mesh.triangles.size();
-  const auto first = static_cast<std::uint32_t>(half);
-  for (std::size_t i = 0; i < triangles; ++i) {
-    const limber::Triangle t = mesh.triangles[i];
-    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
+  const TriangleMesh ball = small_meshes::icosphere(2);
+  const TriangleMesh mesh = small_meshes::joined(ball, small_meshes::moved(ball, {2.1, 0, 0}));
   const WeldedMesh welded = *weld(mesh);
   const SpringNetwork network = coarseNetwork(mesh, 84);
   Points points = network.restPoints;

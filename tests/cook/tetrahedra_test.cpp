@@ -124,18 +124,14 @@ TEST(Tetrahedra, findTheCornersOfACubeThatLiesAskewInTheLattice) {
 }
 
 TEST(Tetrahedra, turnAnInwardSurfaceAround) {
-  TriangleMesh cube = small_meshes::cube(2);
-  for (Triangle& t : cube.triangles) std::swap(t[1], t[2]);
+  const TriangleMesh cube = small_meshes::inverted(small_meshes::cube(2));
   EXPECT_NEAR(volumeOfAll(*fillWithTetrahedra(*weld(cube), 0.25)), 1.0, 1e-9);
 }
 
 TEST(Tetrahedra, leaveHollowsHollow) {
-  TriangleMesh shell = small_meshes::icosphere(3), hollow = small_meshes::icosphere(3);
-  const auto first = static_cast<std::uint32_t>(shell.positions.size());
-  for (const Eigen::Vector3d& p : hollow.positions) shell.positions.push_back(0.5 * p);
-  for (const Triangle& t : hollow.triangles)
-    shell.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
-  const WeldedMesh mesh = *weld(shell);
+  const TriangleMesh ball = small_meshes::icosphere(3);
+  const TriangleMesh hollow = small_meshes::inverted(small_meshes::moved(ball, {0, 0, 0}, 0.5));
+  const WeldedMesh mesh = *weld(small_meshes::joined(ball, hollow));
   const TetrahedralMesh filled = *fillWithTetrahedra(mesh, 0.2);
   expectValid(filled);
   EXPECT_EQ(findComponents(filled.points.size(), filled.surface).count, 2u);
@@ -143,12 +139,8 @@ TEST(Tetrahedra, leaveHollowsHollow) {
 }
 
 TEST(Tetrahedra, joinPiecesThatLieWithinEachOther) {
-  TriangleMesh both = small_meshes::cube(1), other = small_meshes::cube(1);
-  const auto first = static_cast<std::uint32_t>(both.positions.size());
-  for (const Eigen::Vector3d& p : other.positions)
-    both.positions.push_back(p + Eigen::Vector3d(0.5, 0.25, 0));
-  for (const Triangle& t : other.triangles)
-    both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const TriangleMesh cube = small_meshes::cube(1);
+  const TriangleMesh both = small_meshes::joined(cube, small_meshes::moved(cube, {0.5, 0.25, 0}));
   const TetrahedralMesh filled = *fillWithTetrahedra(*weld(both), 0.125);
   expectValid(filled);
   EXPECT_NEAR(volumeOfAll(filled), 2.0 - 0.5 * 0.75, 0.02);
@@ -179,13 +171,9 @@ TEST(Tetrahedra, sayWhatTheyCannotFill) {
 }
 
 TEST(Tetrahedra, sayWhichPieceIsTooThin) {
-  TriangleMesh mesh = small_meshes::cube(1);
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  const TriangleMesh crumb = small_meshes::cube(1);
-  for (const Eigen::Vector3d& p : crumb.positions)
-    mesh.positions.push_back(0.02 * p + Eigen::Vector3d(0.913, 0.087, 0.041));
-  for (const Triangle& t : crumb.triangles)
-    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const TriangleMesh cube = small_meshes::cube(1);
+  const TriangleMesh mesh =
+      small_meshes::joined(cube, small_meshes::moved(cube, {0.913, 0.087, 0.041}, 0.02));
   EXPECT_EQ(fillWithTetrahedra(*weld(mesh), 0.25).error().substr(0, 34),
             "piece 1 of the mesh is missed: it ");
 }

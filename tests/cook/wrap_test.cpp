@@ -68,9 +68,7 @@ TriangleMesh boxWithHole(double size, double hole) {
 
 /// A closed box-shaped bottle with walls of 0.1 and a neck of 0.2.
 TriangleMesh bottle() {
-  TriangleMesh inside = boxWithHole(0.8, 0.2);
-  for (Triangle& t : inside.triangles) std::swap(t[1], t[2]);
-  TriangleMesh mesh = joined(boxWithHole(1.0, 0.2), inside);
+  TriangleMesh mesh = joined(boxWithHole(1.0, 0.2), small_meshes::inverted(boxWithHole(0.8, 0.2)));
   for (const auto& [a, b] : {std::pair(0u, 1u), std::pair(1u, 3u), std::pair(3u, 2u), std::pair(2u, 0u)}) {
     mesh.triangles.push_back({8 + a, 8 + b, 20 + b});
     mesh.triangles.push_back({8 + a, 20 + b, 20 + a});
@@ -111,8 +109,8 @@ TEST(Wrap, aBoxWithoutLidIsClosed) {
 
 TEST(Wrap, orientationDoesNotMatter) {
   const TriangleMesh outward = box(kOrigin, kOnes);
-  TriangleMesh inward = outward, mixed = outward;
-  for (Triangle& t : inward.triangles) std::swap(t[1], t[2]);
+  const TriangleMesh inward = small_meshes::inverted(outward);
+  TriangleMesh mixed = outward;
   for (std::size_t i = 0; i < mixed.triangles.size(); i += 3)
     std::swap(mixed.triangles[i][1], mixed.triangles[i][2]);
   const double volume = wrappedOrFail(outward).volume;

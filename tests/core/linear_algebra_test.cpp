@@ -49,10 +49,10 @@ TEST(SparseFactor, multipliesToTheMatrix) {
       MatrixXd placed(matrix.rows(), matrix.rows());
       for (Index i = 0; i < matrix.rows(); ++i)
         for (Index j = 0; j < matrix.rows(); ++j) placed(factor.place[i], factor.place[j]) = dense(i, j);
-      const MatrixXd multiplied = lower * factor.diagonal.asDiagonal() * lower.transpose();
+      const MatrixXd multiplied = product(lower * factor.diagonal.asDiagonal(), lower.transpose());
       // rounding, times the growth of entries without pivoting
       EXPECT_LT((multiplied - placed).norm(), 1e-11 * placed.norm()) << side << " shift " << shift;
-      EXPECT_LT((dense * solve(factor, unit) - unit).norm(), 1e-8 * double(matrix.rows()));
+      EXPECT_LT((product(dense, solve(factor, unit)) - unit).norm(), 1e-8 * double(matrix.rows()));
       const Eigen::Index negative = (symmetricValues(dense).array() < 0.0).count();
       EXPECT_EQ((factor.diagonal.array() < 0.0).count(), negative) << side << " shift " << shift;
     }

@@ -91,8 +91,6 @@ TEST(SurfaceDistance, smallestGapIsThatOfTheHulls) {
     const auto found = test::contactsOf(a, b, margin);
     ASSERT_FALSE(found.empty()) << "trial " << trial;
     EXPECT_NEAR(smallestGap(found), distance - 0.05, 1e-6) << "trial " << trial;
-    for (const SurfaceContact& c : found)  // no contact is deeper than the overlap of the bodies
-      EXPECT_GE(c.gap, distance - 0.05 - 1e-6) << "trial " << trial;
   }
 }
 

@@ -192,10 +192,16 @@ TEST(PictureLegend, everyEntryHasItsColourAndItsLetters) {
   EXPECT_EQ(colours.count({0, 0, 255}), 1u);
 }
 
-TEST(PictureLegend, staysInsideASmallPicture) {
-  render::Image image;
-  image.resize(16, 16);
-  drawLegend(image, {{"a text that is far too long", {}}, {"and another", {}}, {"and more", {}}});
+TEST(PictureLegend, ofASmallPictureIsACornerOfThatOfALargeOne) {
+  render::Image small, large;
+  small.resize(16, 16), large.resize(200, 40);
+  for (render::Image* image : {&small, &large}) {
+    std::fill(image->rgba.begin(), image->rgba.end(), std::uint8_t{255});
+    drawLegend(*image, {{"a text that is far too long", {}}, {"and another", {}}, {"and more", {}}});
+  }
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x)
+      for (int c = 0; c < 4; ++c) ASSERT_EQ(small.pixel(x, y)[c], large.pixel(x, y)[c]) << x << ' ' << y;
 }
 
 TEST(OutputFiles, placesAreCheckedWithoutATrace) {

@@ -3,9 +3,14 @@ set(cooked ${CMAKE_CURRENT_BINARY_DIR}/cooked)
 file(MAKE_DIRECTORY ${cooked})
 set(meshes ${PROJECT_SOURCE_DIR}/meshes)
 
-# cook_run(<name> <label> <exit code> <text that must be printed> <arguments...>)
+# cook_run(<name> <label> <exit code> <text that must be printed> <arguments...>): without a text, nothing must be
+# printed
 function(cook_run name label code text)
-  add_test(NAME cook.${name} COMMAND ${CMAKE_COMMAND} -DCODE=${code} "-DTEXT=${text}"
+  set(empty OFF)
+  if(text STREQUAL "")
+    set(empty ON)
+  endif()
+  add_test(NAME cook.${name} COMMAND ${CMAKE_COMMAND} -DCODE=${code} "-DTEXT=${text}" -DEMPTY=${empty}
     -P ${CMAKE_CURRENT_SOURCE_DIR}/expect_exit.cmake -- $<TARGET_FILE:limber-cook> ${ARGN})
   # suppresses leaks inside OSMesa
   set_tests_properties(cook.${name} PROPERTIES LABELS ${label} TIMEOUT 600

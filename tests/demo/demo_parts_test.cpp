@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "demo_options.h"
+#include "import/temporary_folder.h"
 #include "number_checks.h"
 #include "output_files.h"
 #include "picture_output.h"
@@ -8,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 
 namespace limber::demo {
 namespace {
@@ -127,12 +127,11 @@ TEST(PictureChoices, contextsAreReadOrRefused) {
 
 TEST(Folders, onlyOurOwnOldPicturesGo) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::temp_directory_path() / "limber_folders_test";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
+  const TemporaryFolder made;
+  const fs::path folder = made.path();
   for (const char* name : {"frame-0001.png", "frame-12345.png", "frame-0001.txt", "frame-holiday.png",
                            "mine.png", kPreviewName}) {
-    std::ofstream(folder / name) << "x";
+    made.write(name, "x");
   }
   EXPECT_EQ(prepareFolder(folder.string()), "");
   EXPECT_FALSE(fs::exists(folder / "frame-0001.png"));
@@ -144,7 +143,6 @@ TEST(Folders, onlyOurOwnOldPicturesGo) {
   EXPECT_FALSE(fs::exists(folder / kContactSheetName));
   fs::create_directories(folder / kPreviewName);
   EXPECT_NE(prepareFolder(folder.string()).find("preview.png: it is a folder"), std::string::npos);
-  fs::remove_all(folder);
 }
 
 TEST(Folders, whatCannotBeWrittenIsRefusedWithTheReason) {

@@ -1,5 +1,5 @@
-# cmake -DCODE=<exit code> -DTEXT=<text> -P expect_exit.cmake -- <command...>
-# Runs the command and fails unless it exits with CODE and prints TEXT.
+# cmake -DCODE=<exit code> -DTEXT=<text> [-DEMPTY=ON] -P expect_exit.cmake -- <command...>
+# Runs the command and fails unless it exits with CODE and prints TEXT, or with EMPTY nothing at all.
 set(command "")
 set(seen FALSE)
 math(EXPR last "${CMAKE_ARGC} - 1")
@@ -15,6 +15,9 @@ execute_process(COMMAND ${command} RESULT_VARIABLE code OUTPUT_VARIABLE output E
 message("${output}")
 if(NOT "${code}" STREQUAL "${CODE}")
   message(FATAL_ERROR "exit code ${code}, expected ${CODE}")
+endif()
+if(EMPTY AND NOT "${output}" STREQUAL "")
+  message(FATAL_ERROR "something is printed")
 endif()
 string(FIND "${output}" "${TEXT}" position)
 if(position EQUAL -1)

@@ -5,6 +5,8 @@
 #include "fuzz/dice.h"
 #include "fuzz/networks.h"
 
+#include "solver/volumes.h"
+
 #include <algorithm>
 
 namespace limber::fuzz {
@@ -223,6 +225,15 @@ void Writer::gas(Step& s) {
   if (dice.chance(0.5)) s.set("ambient", dice.decades(10, 101325));
 }
 
+/// Whether the network has a volume for the modulus and the gas of the step.
+bool enclosesVolume(const Step& s) {
+  SoftBodySettings settings;
+  settings.scale = s.vec("scale");
+  settings.volumeModulus = std::max(s["volume"], 0.0);
+  settings.pressure = s["pressure"];
+  return checkVolume(*networkNamed(s.choice("network")), settings).empty();
+}
+
 void Writer::softMaterial(Step& s) {
   const double stiffness = dice_.decades(50, wild() && dice_.chance(0.1) ? 1e8 : 2e4);
   s.set("extension", stiffness).set("compression", stiffness);
@@ -231,6 +242,7 @@ void Writer::softMaterial(Step& s) {
   s.set("mass", dice_.decades(0.1, 10));
   if (dice_.chance(0.25)) s.set("volume", dice_.chance(0.5) ? 0.0 : dice_.decades(10, 1e5));
   if (dice_.chance(0.1)) gas(s.set("pressure", dice_.decades(1, 1000)));
+  if (!enclosesVolume(s)) s.set("volume", -1).set("pressure", 0).set("ambient", 0);
   s.set("friction", dice_.of({0.5, 0.5, 0.0, 1.0}));
   if (dice_.chance(0.25)) s.set("restitution", dice_.number(0, 1));
   if (dice_.chance(0.15)) s.set("ccd", 0);

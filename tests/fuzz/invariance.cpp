@@ -191,12 +191,13 @@ void addFloors(const Story& story, std::vector<Law>& laws) {
   }
 }
 
-/// Returns the largest distance (m) of a point from its expected position.
+/// Returns the largest distance (m) of a point from its expected position. It is infinite if the other frame
+/// lacks a body or has it with another number of points.
 double distance(const Frame& frame, const Frame& other, const Motion& motion) {
   double worst = 0.0;
   for (const auto& [id, points] : frame.soft) {
     const auto it = other.soft.find(id);
-    if (it == other.soft.end() || it->second.cols() != points.cols()) continue;
+    if (it == other.soft.end() || it->second.cols() != points.cols()) return HUGE_VAL;
     for (Eigen::Index i = 0; i < points.cols(); ++i)
       worst = std::max(worst, (it->second.col(i) - motion(points.col(i))).norm() / motion.length);
   }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <stdexcept>
 #include <string>
@@ -14,24 +13,20 @@
 #include "apng_reader.h"
 #include "import/temporary_folder.h"
 #include "limber/render/png_file.h"
+#include "pictures.h"
 #include "support/file_size_limit.h"
 
 namespace limber::render {
 namespace {
 
 using limber::test::FileSizeLimit;
+using test::errorOf;
 
 constexpr int kWidth = 31;
 constexpr int kHeight = 17;
 
-Image noise(std::uint32_t seed, int width = kWidth, int height = kHeight) {
-  Image image;
-  image.resize(width, height);
-  std::uint32_t state = seed;
-  for (std::uint8_t& value : image.rgba) {
-    state = state * 1664525u + 1013904223u;
-    value = static_cast<std::uint8_t>(state >> 24);
-  }
+Image opaqueNoise(std::uint32_t seed, int width = kWidth, int height = kHeight) {
+  Image image = test::noise(width, height, seed);
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
     image.rgba[i] = 255;
   }
@@ -66,18 +61,10 @@ class ApngFile : public ::testing::Test {
   std::string path = folder.path() + "/a.png";
 };
 
-std::string errorOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST_F(ApngFile, EveryFrameComesBackPixelByPixel) {
-  const Image base = noise(1);
-  const std::vector<Image> images{base, noise(2), changed(noise(2), 3, 4), noise(3), noise(3), base};
+  const Image base = opaqueNoise(1);
+  const std::vector<Image> images{base,           opaqueNoise(2), changed(opaqueNoise(2), 3, 4),
+                                  opaqueNoise(3), opaqueNoise(3), base};
   write(images);
   const Apng apng = readApng(path);
   ASSERT_EQ(apng.frames.size(), images.size());
@@ -91,7 +78,7 @@ TEST_F(ApngFile, EveryFrameComesBackPixelByPixel) {
 }
 
 TEST_F(ApngFile, OnlyWhatChangedIsKept) {
-  const Image first = noise(1);
+  const Image first = opaqueNoise(1);
   const Image second = changed(changed(first, 5, 16), 30, 2);
   write({first, second, second, changed(second, 0, 0)});
   const Apng apng = readApng(path);
@@ -109,23 +96,23 @@ TEST_F(ApngFile, OnlyWhatChangedIsKept) {
 }
 
 TEST_F(ApngFile, OtherProgramsSeeTheFirstFrame) {
-  write({noise(1), noise(2)});
-  EXPECT_EQ(readPng(path).rgba, noise(1).rgba);
+  write({opaqueNoise(1), opaqueNoise(2)});
+  EXPECT_EQ(readPng(path).rgba, opaqueNoise(1).rgba);
 }
 
 TEST_F(ApngFile, AlphaIsIgnored) {
-  Image transparent = noise(1);
+  Image transparent = opaqueNoise(1);
   transparent.pixel(4, 5)[3] = 0;
-  Image secondTransparent = noise(2);
+  Image secondTransparent = opaqueNoise(2);
   secondTransparent.pixel(4, 5)[3] = 7;
   write({transparent, secondTransparent});
   const Apng apng = readApng(path);
-  EXPECT_EQ(apng.frames[0].shown.rgba, noise(1).rgba);
-  EXPECT_EQ(apng.frames[1].shown.rgba, noise(2).rgba);
+  EXPECT_EQ(apng.frames[0].shown.rgba, opaqueNoise(1).rgba);
+  EXPECT_EQ(apng.frames[1].shown.rgba, opaqueNoise(2).rgba);
 }
 
 TEST_F(ApngFile, LargePicturesComeBack) {
-  const std::vector<Image> images{noise(1, 400, 300), noise(2, 400, 300)};
+  const std::vector<Image> images{opaqueNoise(1, 400, 300), opaqueNoise(2, 400, 300)};
   write(images);
   const Apng apng = readApng(path);
   ASSERT_EQ(apng.frames.size(), 2u);
@@ -133,16 +120,16 @@ TEST_F(ApngFile, LargePicturesComeBack) {
 }
 
 TEST_F(ApngFile, EqualFramesMakeEqualBytes) {
-  write({noise(1), noise(2)});
+  write({opaqueNoise(1), opaqueNoise(2)});
   const std::string once = bytes();
-  write({noise(1), noise(2)});
+  write({opaqueNoise(1), opaqueNoise(2)});
   EXPECT_EQ(bytes(), once);
 }
 
 TEST_F(ApngFile, IsNotThereUnlessFinished) {
   {
     ApngWriter writer(desc());
-    writer.add(noise(1));
+    writer.add(opaqueNoise(1));
   }
   EXPECT_EQ(fileCount(), 0u);
 }
@@ -152,7 +139,7 @@ TEST_F(ApngFile, WhatCannotBeIsAnErrorWithTheName) {
   EXPECT_EQ(errorOf([&] { ApngWriter writer({missing}); }),
             "cannot write " + missing + ": No such file or directory");
   EXPECT_EQ(errorOf([&] {
-              write({noise(1), noise(1, kWidth, kHeight + 1)});
+              write({opaqueNoise(1), opaqueNoise(1, kWidth, kHeight + 1)});
             }),
             "cannot write " + path + ": its pictures differ in size");
   EXPECT_EQ(errorOf([&] { write({}); }), "cannot write " + path + ": it has no picture");
@@ -167,7 +154,7 @@ TEST_F(ApngFile, FullDiskIsAnErrorAndLeavesNoHalfFile) {
     EXPECT_EQ(errorOf([&] {
                 ApngWriter writer(desc());
                 for (std::uint32_t i = 0; i < 1000; ++i) {
-                  writer.add(noise(i));
+                  writer.add(opaqueNoise(i));
                 }
                 ADD_FAILURE() << "adding must fail already";
               }),
@@ -175,7 +162,7 @@ TEST_F(ApngFile, FullDiskIsAnErrorAndLeavesNoHalfFile) {
     EXPECT_EQ(fileCount(), 0u);
   }
   const FileSizeLimit limit(1000);  // smaller than the buffer: the error occurs only at the end
-  EXPECT_EQ(errorOf([&] { write({noise(1)}); }), expected);
+  EXPECT_EQ(errorOf([&] { write({opaqueNoise(1)}); }), expected);
   EXPECT_EQ(fileCount(), 0u);
 }
 

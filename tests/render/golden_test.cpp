@@ -63,18 +63,6 @@ Drawn draw(const GoldenCase& value) {
   return {stage.picture(options), outliers};
 }
 
-double outlierFraction(const Image& a, const Image& b) {
-  std::size_t outliers = 0;
-  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
-    bool isOutlier = false;
-    for (std::size_t c = 0; c < 4; ++c) {
-      isOutlier = isOutlier || std::abs(int{a.rgba[i + c]} - int{b.rgba[i + c]}) > kTolerance;
-    }
-    outliers += isOutlier ? 1u : 0u;
-  }
-  return 4.0 * static_cast<double>(outliers) / static_cast<double>(a.rgba.size());
-}
-
 class Golden : public ::testing::TestWithParam<GoldenCase> {};
 
 TEST_P(Golden, LooksAsItDid) {
@@ -87,7 +75,7 @@ TEST_P(Golden, LooksAsItDid) {
   const Image golden = readPng(path);
   ASSERT_EQ(golden.width, image.width);
   ASSERT_EQ(golden.height, image.height);
-  const double fraction = outlierFraction(golden, image);
+  const double fraction = differingShare(golden, image, kTolerance);
   if (fraction > outliers) {
     const std::string file = std::filesystem::absolute(std::string(GetParam().name) + "-seen.png").string();
     writePng(file, image);

@@ -2,13 +2,14 @@
 // Files of pictures, and pictures in other sizes.
 #include "limber/render/image.h"
 
+#include "import/temporary_folder.h"
 #include "limber/render/png_file.h"
 #include "limber/render/png_writer_thread.h"
+#include "pictures.h"
 #include "pixels.h"
 #include "support/file_size_limit.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -19,33 +20,17 @@ namespace limber::render {
 namespace {
 
 namespace fs = std::filesystem;
-
-Image noise(int width, int height) {
-  Image image;
-  image.resize(width, height);
-  std::uint32_t state = 1;
-  for (std::uint8_t& value : image.rgba) {
-    state = state * 1664525u + 1013904223u;
-    value = static_cast<std::uint8_t>(state >> 24);
-  }
-  return image;
-}
+using test::noise;
 
 class ImageFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder =
-        fs::temp_directory_path() / (std::string("limber_png_") + test->name() + std::to_string(getpid()));
-    fs::create_directories(folder);
-  }
-  void TearDown() override { fs::remove_all(folder); }
   std::string path(const std::string& name) const { return (folder / name).string(); }
   std::size_t fileCount() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
   }
 
-  fs::path folder;
+  TemporaryFolder made;
+  fs::path folder = made.path();
 };
 
 TEST_F(ImageFile, PngRoundTrip) {

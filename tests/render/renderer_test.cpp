@@ -7,19 +7,10 @@
 #include <string>
 
 #include "baseline_picture.h"
+#include "pictures.h"
 
 namespace limber::render::test {
 namespace {
-
-template <typename Call>
-std::string errorOf(Call call) {
-  try {
-    call();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Renderer, ZeroInstancesGiveTheBackground) {
   Stage stage(Backend::Auto, smallDesc(ComputeOn::Gpu));

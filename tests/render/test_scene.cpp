@@ -241,4 +241,16 @@ int largestDifference(const Image& a, const Image& b) {
   return largest;
 }
 
+double differingShare(const Image& a, const Image& b, int tolerance) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+    bool differs = false;
+    for (std::size_t c = i; c < i + 4; ++c) {
+      differs = differs || std::abs(int{a.rgba[c]} - int{b.rgba[c]}) > tolerance;
+    }
+    count += differs ? 1u : 0u;
+  }
+  return 4.0 * static_cast<double>(count) / static_cast<double>(a.rgba.size());
+}
+
 }  // namespace limber::render::test

@@ -83,5 +83,7 @@ void populate(Stage& stage);
 int brightness(const Image& image, int x, int y);
 /// Returns the largest difference of any channel.
 int largestDifference(const Image& a, const Image& b);
+/// Returns the share of the pixels of which a channel differs by more than `tolerance`.
+double differingShare(const Image& a, const Image& b, int tolerance);
 
 }  // namespace limber::render::test

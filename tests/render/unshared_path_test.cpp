@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The method of Bullet's example browser must give the same picture; otherwise the bench's comparison is not
 // valid.
-#include <cstdlib>
 #include <stdexcept>
 
 #include "baseline_picture.h"
@@ -27,22 +26,14 @@ PathPictures drawBoth(bool shadows) {
   return {ring, pictureAs(*bench::makeUnsharedBodies(stage.renderer()), stage)};
 }
 
-/// Returns the fraction of channels that differ by more than rounding.
-double differingFraction(const PathPictures& pictures) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < pictures.ring.rgba.size(); ++i) {
-    count += std::abs(int{pictures.ring.rgba[i]} - int{pictures.unshared.rgba[i]}) > kRounding ? 1u : 0u;
-  }
-  return static_cast<double>(count) / static_cast<double>(pictures.ring.rgba.size());
-}
-
 TEST(UnsharedPath, PictureIsThatOfTheRing) {
   const PathPictures pictures = drawBoth(false);
   EXPECT_LE(largestDifference(pictures.ring, pictures.unshared), kRounding);
 }
 
 TEST(UnsharedPath, PictureIsThatOfTheRingWithShadows) {
-  EXPECT_LE(differingFraction(drawBoth(true)), kFlippedFraction);
+  const PathPictures pictures = drawBoth(true);
+  EXPECT_LE(differingShare(pictures.ring, pictures.unshared, kRounding), kFlippedFraction);
 }
 
 TEST(UnsharedPath, FollowsWhatMoves) {

@@ -2,7 +2,6 @@
 #include "limber/render/video_pipe.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,26 +11,23 @@
 #include <stdexcept>
 #include <string>
 
+#include "import/temporary_folder.h"
+#include "pictures.h"
+
 namespace limber::render {
 namespace {
 
 namespace fs = std::filesystem;
+using test::errorOf;
 
 // Puts a new folder first on PATH, in which a test may create its own ffmpeg.
 class VideoPipeTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder =
-        fs::temp_directory_path() / (std::string("limber_video_") + test->name() + std::to_string(getpid()));
-    fs::create_directories(folder);
     const char* path = std::getenv("PATH");
     oldPath = path == nullptr ? "" : path;
   }
-  void TearDown() override {
-    setenv("PATH", oldPath.c_str(), 1);
-    fs::remove_all(folder);
-  }
+  void TearDown() override { setenv("PATH", oldPath.c_str(), 1); }
   void installFfmpeg(const std::string& script) {
     const fs::path program = folder / "ffmpeg";
     std::ofstream(program) << "#!/bin/sh\n" << script << "\n";
@@ -52,19 +48,10 @@ class VideoPipeTest : public ::testing::Test {
     return image;
   }
 
-  fs::path folder;
+  TemporaryFolder made;
+  fs::path folder = made.path();
   std::string oldPath;
 };
-
-template <typename Call>
-std::string errorOf(Call call) {
-  try {
-    call();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST_F(VideoPipeTest, MissingFfmpegIsAClearError) {
   setenv("PATH", folder.c_str(), 1);

@@ -27,6 +27,16 @@ inline double kineticEnergyOf(const btRigidBody& body) {
          0.5 * double(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin));
 }
 
+/// Returns the kinetic and elastic energy and, with a gravity (m/s^2), the potential one.
+inline double energyOf(const SoftBody& body, double gravity = 0.0) {
+  return body.kineticEnergy() + body.elasticEnergy() + gravity * body.totalMass() * body.centerOfMass().y();
+}
+
+inline double energyOf(const btRigidBody& body, double gravity) {
+  return kineticEnergyOf(body) +
+         gravity / double(body.getInvMass()) * double(body.getCenterOfMassPosition().y());
+}
+
 /// Returns the smallest y (m) of the body's points.
 inline double lowest(const SoftBody& body) {
   double y = 1e9;

@@ -3,7 +3,9 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace limber::test {
@@ -38,6 +40,27 @@ struct BulletWorld {
   /// Advances by one tick of dt. Bullet's accumulation of time is off.
   void tick(double dt = 1.0 / 60.0) { world->stepSimulation(static_cast<btScalar>(dt), 0); }
   void simulate(double seconds, double dt = 1.0 / 60.0);
+};
+
+/// An action that calls a function once. One that was added before the soft bodies runs before the end of
+/// their tick.
+struct ActionOnce final : btActionInterface {
+  std::function<void()> act;
+  void updateAction(btCollisionWorld*, btScalar) override {
+    if (act) std::exchange(act, nullptr)();
+  }
+  void debugDraw(btIDebugDraw*) override {}
+};
+
+/// A ray that knows the part and the triangle of its nearest hit.
+struct TriangleRay final : btCollisionWorld::ClosestRayResultCallback {
+  using ClosestRayResultCallback::ClosestRayResultCallback;
+  int part = -1, triangle = -1;
+  btScalar addSingleResult(btCollisionWorld::LocalRayResult& result, bool inWorld) override {
+    part = result.m_localShapeInfo ? result.m_localShapeInfo->m_shapePart : -1;
+    triangle = result.m_localShapeInfo ? result.m_localShapeInfo->m_triangleIndex : -1;
+    return ClosestRayResultCallback::addSingleResult(result, inWorld);
+  }
 };
 
 inline btVector3 vec(double x, double y, double z) {

@@ -2,6 +2,7 @@
 #include "support/small_meshes.h"
 
 #include <cmath>
+#include <utility>
 
 namespace small_meshes {
 namespace {
@@ -88,15 +89,7 @@ TriangleMesh icosphere(int splits) {
   return mesh;
 }
 
-TriangleMesh twoIslands() {
-  TriangleMesh mesh = tetrahedron();
-  for (std::size_t i = 0; i < 4; ++i) {
-    mesh.positions.emplace_back(mesh.positions[i] + Vector3d(5, 0, 0));
-    const limber::Triangle t = mesh.triangles[i];
-    mesh.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
-  }
-  return mesh;
-}
+TriangleMesh twoIslands() { return joined(tetrahedron(), moved(tetrahedron(), {5, 0, 0})); }
 
 TriangleMesh nonManifoldEdge() {
   TriangleMesh mesh;
@@ -131,6 +124,16 @@ TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
   mesh.positions.insert(mesh.positions.end(), b.positions.begin(), b.positions.end());
   for (const limber::Triangle& t : b.triangles)
     mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return mesh;
+}
+
+TriangleMesh moved(TriangleMesh mesh, const Vector3d& displacement, double factor) {
+  for (Vector3d& p : mesh.positions) p = factor * p + displacement;
+  return mesh;
+}
+
+TriangleMesh inverted(TriangleMesh mesh) {
+  for (limber::Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
 

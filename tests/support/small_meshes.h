@@ -39,4 +39,10 @@ TriangleMesh collinearTriangle();
 /// Returns the pieces of both meshes.
 TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b);
 
+/// Returns the mesh with its size times `factor`, moved by `displacement`.
+TriangleMesh moved(TriangleMesh mesh, const Eigen::Vector3d& displacement, double factor = 1.0);
+
+/// Returns the mesh with its inside outside.
+TriangleMesh inverted(TriangleMesh mesh);
+
 }  // namespace small_meshes
