@@ -156,7 +156,7 @@ void Renderer::Parts::openFrame() {
 void Renderer::Parts::closeFrame() {
   frame.open = false;
   shapes.freeRemoved();
-  stream->endFrame(stats.bytesStreamed);
+  stream->endFrame();
 }
 
 void Renderer::Parts::cancelFrame() {
@@ -335,7 +335,7 @@ void CpuPasses::compute(const FrameLayout& layout, const ShapeTable& shapes, flo
       continue;
     }
     float* normals = stream + 3 * (std::size_t{firstNormal(layout)} + group.firstNormal);
-    const SmoothInstances instances{group.instanceCount, points, normals};
+    const CpuInstances instances{group.instanceCount, points, normals};
     if (shape.tube) {
       computeTubeFrames(shape.pointCount, instances);
     } else {

@@ -12,7 +12,6 @@
 namespace limber::render {
 
 using std::chrono::nanoseconds;
-using std::chrono::steady_clock;
 
 StreamRing::StreamRing(FenceSource& fences, nanoseconds timeout) : fences_(fences), timeout_(timeout) {}
 
@@ -65,13 +64,11 @@ void StreamRing::waitFor(std::size_t index) {
   Region& region = regions_[index];
   if (!fences_.wait(region.fence, nanoseconds::zero())) {
     ++counters_.stalls;
-    const auto start = steady_clock::now();
     if (!fences_.wait(region.fence, timeout_)) {
       const double seconds = std::chrono::duration<double>(timeout_).count();
       throw std::runtime_error("stream ring: the GPU still uses region " + std::to_string(index) + " after " +
                                std::to_string(seconds) + " s");
     }
-    counters_.stalled += steady_clock::now() - start;
   }
   fences_.destroy(region.fence);
   region = Region{};
@@ -156,11 +153,6 @@ StreamFrame StreamBuffer::beginFrame() {
     std::fill_n(frame.data, frame.floatCount, std::numeric_limits<float>::quiet_NaN());
   }
   return frame;
-}
-
-void StreamBuffer::endFrame(std::size_t bytesWritten) {
-  ring_.submit();
-  bytesLastFrame_ = bytesWritten;
 }
 
 }  // namespace limber::render
