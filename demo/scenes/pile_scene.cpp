@@ -46,7 +46,7 @@ Result<std::vector<Kind>> readKinds() {
 
 void addWall(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Vector3d& half) {
   auto box = std::make_unique<btBoxShape>(toBullet(half));
-  scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(box), centre, 0.5), kWallColour});
+  addStatic(scene, std::move(box), centre, 0.5, kWallColour);
 }
 
 void addBin(Scene& scene) {
