@@ -7,6 +7,7 @@
 #include "scenes/scene_list.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -301,8 +302,19 @@ void Replay::compare(const Session& session, bool end) {
 
 namespace {
 
+/// Returns a word as a shell reads it: in quotes, unless all its characters stand for themselves.
+std::string quoted(const std::string& word) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::strchr("/._-+=:,@%", c) != nullptr || c >= 128;
+  };
+  if (std::all_of(word.begin(), word.end(), plain)) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 void addMesh(std::ostream& out, const scenes::SceneOptions& options) {
-  out << " --mesh " << options.meshFile;
+  out << " --mesh " << quoted(options.meshFile);
   if (options.feel != scenes::Feel::Rubber) out << " --feel " << nameOf(options.feel);
   if (options.cook.points > 0) out << " --points " << options.cook.points;
   if (options.cook.mode == CookMode::Braces) out << " --braces";
@@ -354,11 +366,12 @@ void addCamera(std::ostream& out, const OrbitCamera& camera) {
 std::string titleOf(const Session& session) {
   const Pace& pace = session.pace();
   std::ostringstream out;
-  out.precision(4);
+  out.precision(10);
   out << "limber-demo --window";
   addSceneOptions(out, session.choice());
   addSettings(out, session);
   addLayers(out, session);
+  out.precision(4);
   addCamera(out, session.camera());
   out << " - tick " << session.ticks();
   if (pace.paused) out << ", paused";
