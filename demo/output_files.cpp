@@ -68,8 +68,6 @@ std::string writeText(const std::string& path, const std::string& text) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 bool isOurs(const std::string& name) {
   if (name == kContactSheetName || name == kPreviewName || name == kVideoName) return true;
   const std::string head = "frame-", tail = ".png";

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -102,6 +103,8 @@ Timeline timelineOf(double seconds, int framesPerSecond);
 /// Materials of meshes: Material::jelly() and so on.
 enum class Feel { Jelly, Rubber, Foam, Stiff };
 Material materialOf(Feel feel);
+/// Returns the feels by their names on the command line.
+const std::map<std::string, Feel>& feels();
 
 /// The user's choices. The scene chooses the missing ones.
 struct SceneOptions {

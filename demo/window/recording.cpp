@@ -3,6 +3,7 @@
 
 #include "window/recording.h"
 
+#include "number_checks.h"
 #include "output_files.h"
 #include "scenes/scene_list.h"
 
@@ -21,10 +22,6 @@ namespace limber::demo {
 namespace {
 
 constexpr const char* kFirstLine = "limber-recording 1";
-constexpr std::pair<const char*, scenes::Feel> kFeels[] = {{"jelly", scenes::Feel::Jelly},
-                                                           {"rubber", scenes::Feel::Rubber},
-                                                           {"foam", scenes::Feel::Foam},
-                                                           {"stiff", scenes::Feel::Stiff}};
 
 std::string digits(double value) {
   char text[40];
@@ -32,13 +29,19 @@ std::string digits(double value) {
   return text;
 }
 
+const std::string& nameOf(scenes::Feel feel) {
+  return std::find_if(scenes::feels().begin(), scenes::feels().end(),
+                      [feel](const auto& one) { return one.second == feel; })
+      ->first;
+}
+
 // --- reading -----------------------------------------------------------------------------------------------
 
 /// Returns false for a text that is not a number from `low` to `high`.
 bool readNumber(const std::string& text, double low, double high, double& value) {
-  char* end = nullptr;
-  value = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && value >= low && value <= high;
+  const std::optional<double> number = finiteNumber(text);
+  value = number.value_or(0.0);
+  return number && value >= low && value <= high;
 }
 
 bool readWhole(const std::string& text, double low, double high, std::int64_t& value) {
@@ -56,11 +59,9 @@ bool readOptional(const std::string& text, double low, double high, std::optiona
 }
 
 bool readFeel(const std::string& text, scenes::Feel& feel) {
-  const auto* found = std::find_if(std::begin(kFeels), std::end(kFeels),
-                                   [&text](const auto& one) { return text == one.first; });
-  if (found == std::end(kFeels)) return false;
-  feel = found->second;
-  return true;
+  const auto found = scenes::feels().find(text);
+  if (found != scenes::feels().end()) feel = found->second;
+  return found != scenes::feels().end();
 }
 
 bool readSize(const std::string& text, WindowSize& size) {
@@ -195,12 +196,6 @@ std::int64_t Recording::ticks() const {
 }
 
 // --- writing -----------------------------------------------------------------------------------------------
-
-const char* nameOf(scenes::Feel feel) {
-  return std::find_if(std::begin(kFeels), std::end(kFeels),
-                      [feel](const auto& one) { return one.second == feel; })
-      ->first;
-}
 
 std::string headerOf(const SceneChoice& choice, const WindowSize& size) {
   const scenes::SceneOptions& o = choice.options;
