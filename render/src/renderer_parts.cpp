@@ -177,12 +177,6 @@ void Renderer::Parts::uploadRecords() {
   recordsStale = false;
 }
 
-void Renderer::Parts::computeOnCpu() {
-  if (cpu) {
-    cpu->compute(layout, shapes, frame.points);
-  }
-}
-
 PointRange Renderer::Parts::pointRange() const {
   return {stream->name(), frame.byteOffset, static_cast<GLsizeiptr>(3 * sizeof(float) * streamedPoints()), 0};
 }
@@ -221,7 +215,9 @@ void Renderer::Parts::submit(const Camera& camera, const Light& light, const Dra
                              const Overlay& overlay) {
   Stopwatch watch;
   const GlStateGuard guard(gl, sharedContext);
-  computeOnCpu();
+  if (cpu) {
+    cpu->compute(layout, shapes, frame.points);
+  }
   stats.computeMs = watch.lap();
   fillItems();
   uploadFrameData(camera, light, options, overlay);

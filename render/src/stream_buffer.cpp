@@ -81,40 +81,36 @@ StreamRing::Region& StreamRing::openRegion(const char* caller) {
   return regions_[current_];
 }
 
+namespace {
+
 /// The ring's fences as OpenGL sync objects.
 class GlFences final : public FenceSource {
  public:
   explicit GlFences(const Gl& gl) : gl_(gl) {}
 
-  Fence insert() override;
-  bool wait(Fence fence, std::chrono::nanoseconds timeout) override;
-  void destroy(Fence fence) noexcept override;
+  Fence insert() override {
+    const GLsync sync = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (sync == nullptr) {
+      throw std::runtime_error("glFenceSync failed: the OpenGL context is lost or not current");
+    }
+    return sync;
+  }
+
+  bool wait(Fence fence, std::chrono::nanoseconds timeout) override {
+    // Without the flush, the fence could stay in an unsent command buffer for ever.
+    const GLenum result = gl_.ClientWaitSync(static_cast<GLsync>(fence), GL_SYNC_FLUSH_COMMANDS_BIT,
+                                             static_cast<GLuint64>(timeout.count()));
+    if (result == GL_WAIT_FAILED) {
+      throw std::runtime_error("glClientWaitSync failed: the OpenGL context is lost or not current");
+    }
+    return result != GL_TIMEOUT_EXPIRED;
+  }
+
+  void destroy(Fence fence) noexcept override { gl_.DeleteSync(static_cast<GLsync>(fence)); }
 
  private:
   const Gl& gl_;
 };
-
-FenceSource::Fence GlFences::insert() {
-  const GLsync sync = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-  if (sync == nullptr) {
-    throw std::runtime_error("glFenceSync failed: the OpenGL context is lost or not current");
-  }
-  return sync;
-}
-
-bool GlFences::wait(Fence fence, std::chrono::nanoseconds timeout) {
-  // Without the flush, the fence could stay in an unsent command buffer for ever.
-  const GLenum result = gl_.ClientWaitSync(static_cast<GLsync>(fence), GL_SYNC_FLUSH_COMMANDS_BIT,
-                                           static_cast<GLuint64>(timeout.count()));
-  if (result == GL_WAIT_FAILED) {
-    throw std::runtime_error("glClientWaitSync failed: the OpenGL context is lost or not current");
-  }
-  return result != GL_TIMEOUT_EXPIRED;
-}
-
-void GlFences::destroy(Fence fence) noexcept { gl_.DeleteSync(static_cast<GLsync>(fence)); }
-
-namespace {
 
 // The largest offset alignment of storage buffers that a driver may require.
 constexpr std::size_t kRegionAlignment = 256;
