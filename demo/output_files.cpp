@@ -90,6 +90,12 @@ std::error_code removeOldPictures(const std::string& folder) {
 
 }  // namespace
 
+std::string hashText(std::uint64_t hash) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
 std::string frameName(std::int64_t i) {
   char name[40];
   std::snprintf(name, sizeof name, "frame-%04lld.png", static_cast<long long>(i));

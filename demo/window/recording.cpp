@@ -225,9 +225,7 @@ std::string lineOf(const RecordedCommand& command) {
 }
 
 std::string lineOf(const RecordedState& state) {
-  char hash[24];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(state.hash));
-  return std::to_string(state.tick) + (state.end ? " end " : " state ") + hash + "\n";
+  return std::to_string(state.tick) + (state.end ? " end " : " state ") + hashText(state.hash) + "\n";
 }
 
 RecordedState stateOf(const Session& session, bool end) {
