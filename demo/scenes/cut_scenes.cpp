@@ -69,10 +69,7 @@ std::string addBlock(Scene& scene, const SceneOptions& options) {
   if (!jelly) return jelly.error();
   settings = *jelly;
   apply(options, settings);
-  BodyLook look;
-  look.colour = paletteColour(1);
-  look.finish = Finish::Jelly;
-  return addBody(scene, *network, settings, look);
+  return addBody(scene, *network, settings, {paletteColour(1), false, false, Finish::Jelly});
 }
 
 /// Gives the points on each side of a plane a velocity away from it.

@@ -91,8 +91,7 @@ std::string addBlocks(Scene& scene, const SharedNetwork& network, const SceneOpt
     settings.elasticLimit.yieldStrain = kYields[i];
     settings.friction = 1.0;
     apply(options, settings);
-    BodyLook look;
-    look.colour = paletteColour(i);
+    const BodyLook look{paletteColour(i)};
     if (const std::string reason = addBody(scene, network, settings, look); !reason.empty()) return reason;
   }
   return {};

@@ -83,9 +83,7 @@ SceneResult createRope(const SceneOptions& options) {
   SoftBodySettings settings = ropeSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {
     setStart(settings, kRopeSpacing * (double(i) - 0.5 * double(count - 1)), random);
-    BodyLook look;
-    look.colour = paletteColour(i);
-    const std::string reason = addBody(*scene, *network, settings, look);
+    const std::string reason = addBody(*scene, *network, settings, {paletteColour(i)});
     if (!reason.empty()) return Error{reason};
   }
   scene->view.box =

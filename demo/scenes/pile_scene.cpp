@@ -96,9 +96,7 @@ SceneResult createPile(const SceneOptions& options) {
     const Kind& kind = (*kinds)[i % kinds->size()];
     settings.position = startOf(i);
     settings.rotation = random.rotation();
-    BodyLook look;
-    look.colour = variedColour(i + i / kinds->size(), random);
-    look.smooth = kind.smooth;
+    const BodyLook look{variedColour(i + i / kinds->size(), random), kind.smooth};
     const std::string reason = addBody(*scene, kind.network, settings, look);
     if (!reason.empty()) return Error{reason};
   }
