@@ -8,7 +8,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <initializer_list>
@@ -62,7 +61,7 @@ void addSceneOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--mesh", scene.meshFile,
                  "run the scene mesh with this file: BODY.limber or any format assimp reads");
   app.add_option("--feel", line.feel, "of the mesh: jelly, rubber (default), foam or stiff")
-      ->check(CLI::IsMember({"jelly", "rubber", "foam", "stiff"}));
+      ->check(CLI::IsMember(scenes::feels()));
   app.add_option(
          "--points", scene.cook.points,
          "of the mesh: about as many point masses for the largest piece (default: 150 to 400 by shape)")
@@ -114,7 +113,8 @@ void addWindowOptions(CLI::App& app, CommandLine& line) {
   CLI::Option* window = app.add_flag("--window", w.open, "play with the scene in a window");
   app.add_option("--set", line.settings, "NAME=VALUE of a setting of the window, as its title shows it")
       ->needs(window)
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->check(choice(parseSetting, w.settings, "NAME=VALUE"));
   app.add_flag("--split", w.split, "begin with the same scene played by btSoftBody in the right half")
       ->needs(window);
   CLI::Option* record =
@@ -177,10 +177,6 @@ std::string conflict(const CommandLine& line) {
             without(line, {"--out", "--camera", "--overlay", "--quality", "--context"}, "--mode none");
         !reason.empty())
       return reason;
-  for (const std::string& text : line.settings) {
-    std::vector<Command> unused;
-    if (const std::string reason = parseSetting(text, unused); !reason.empty()) return "--set: " + reason;
-  }
   return windowConflict(line);
 }
 
@@ -189,21 +185,16 @@ void complete(CommandLine& line) {
   DemoOptions& o = line.options;
   const std::map<std::string, PictureMode> modes = {
       {"shaded", PictureMode::Shaded}, {"wireframe", PictureMode::Wireframe}, {"none", PictureMode::None}};
-  const std::map<std::string, scenes::Feel> feels = {{"jelly", scenes::Feel::Jelly},
-                                                     {"rubber", scenes::Feel::Rubber},
-                                                     {"foam", scenes::Feel::Foam},
-                                                     {"stiff", scenes::Feel::Stiff}};
   o.mode = modes.at(line.mode);
   if (line.quality.empty()) line.quality = o.window.open ? "fast" : "gallery";
   o.quality = line.quality == "fast" ? render::Quality::Fast : render::Quality::Gallery;
-  o.sceneOptions.feel = feels.at(line.feel);
+  o.sceneOptions.feel = scenes::feels().at(line.feel);
   if (line.braces) o.sceneOptions.cook.mode = CookMode::Braces;
   if (line.connect) o.sceneOptions.cook.pieces = PieceRule::Connected;
   if (!line.noCache) o.sceneOptions.cacheFolder = "out/cooked";
   o.video = !line.noVideo;
   o.preview = !line.noPreview;
   if (!o.sceneOptions.meshFile.empty() && line.scene->count() == 0) o.scene = "mesh";
-  for (const std::string& text : line.settings) parseSetting(text, o.window.settings);
   if (o.window.open) {
     o.window.seconds = o.seconds;
     if (line.app->count("--size") == 0) line.size = kWindowSize;
@@ -252,12 +243,6 @@ std::vector<std::string> splitAtCommas(const std::string& text) {
   return parts;
 }
 
-bool parseNumber(const std::string& text, double& value) {
-  char* end = nullptr;
-  value = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && std::isfinite(value);
-}
-
 }  // namespace
 
 std::string parseCamera(const std::string& text, CameraChoice& choice) {
@@ -266,10 +251,11 @@ std::string parseCamera(const std::string& text, CameraChoice& choice) {
   choice.path = text == "orbit" ? CameraPath::Orbit : CameraPath::Fixed;
   if (text == "orbit") return {};
   const std::vector<std::string> parts = splitAtCommas(text);
-  double values[6] = {};
-  bool good = parts.size() == 6;
-  for (std::size_t i = 0; good && i < 6; ++i) good = parseNumber(parts[i], values[i]);
-  if (!good) return text + " is neither auto nor orbit nor six numbers EYEX,EYEY,EYEZ,ATX,ATY,ATZ";
+  std::vector<double> values;
+  for (const std::string& part : parts)
+    if (const std::optional<double> value = finiteNumber(part)) values.push_back(*value);
+  if (parts.size() != 6 || values.size() != 6)
+    return text + " is neither auto nor orbit nor six numbers EYEX,EYEY,EYEZ,ATX,ATY,ATZ";
   choice.eye = {values[0], values[1], values[2]};
   choice.target = {values[3], values[4], values[5]};
   return choice.eye == choice.target ? text + " has the eye where it looks" : std::string();

@@ -23,10 +23,9 @@ std::string rangeError(const std::string& text, double low, double high) {
 }
 
 std::string checkNumber(const std::string& text, double low, double high) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value)) return text + " is not a finite number";
-  return value >= low && value <= high ? std::string() : rangeError(text, low, high);
+  const std::optional<double> value = finiteNumber(text);
+  if (!value) return text + " is not a finite number";
+  return *value >= low && *value <= high ? std::string() : rangeError(text, low, high);
 }
 
 std::string checkSize(const std::string& text) {
@@ -39,6 +38,13 @@ std::string checkSize(const std::string& text) {
 }
 
 }  // namespace
+
+std::optional<double> finiteNumber(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
 
 CLI::Validator number(double low, double high) {
   return CLI::Validator([=](std::string& text) { return checkNumber(text, low, high); }, "NUMBER");

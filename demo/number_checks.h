@@ -3,9 +3,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include <optional>
 #include <string>
 
 namespace limber::demo {
+
+/// Returns the number that the whole text is, if it is a finite one.
+std::optional<double> finiteNumber(const std::string& text);
 
 /// Accepts finite numbers from `low` to `high`. (CLI::Range accepts "nan".)
 CLI::Validator number(double low, double high);

@@ -68,8 +68,6 @@ std::string writeText(const std::string& path, const std::string& text) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 bool isOurs(const std::string& name) {
   if (name == kContactSheetName || name == kPreviewName || name == kVideoName) return true;
   const std::string head = "frame-", tail = ".png";
@@ -91,6 +89,12 @@ std::error_code removeOldPictures(const std::string& folder) {
 }
 
 }  // namespace
+
+std::string hashText(std::uint64_t hash) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
 
 std::string frameName(std::int64_t i) {
   char name[40];

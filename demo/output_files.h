@@ -15,6 +15,9 @@ std::string checkWritable(const std::string& file);
 /// empty string.
 std::string writeText(const std::string& file, const std::string& text);
 
+/// Returns a hash in 16 hexadecimal digits.
+std::string hashText(std::uint64_t hash);
+
 constexpr const char* kContactSheetName = "contact-sheet.png";
 constexpr const char* kPreviewName = "preview.png";
 constexpr const char* kVideoName = "video.mp4";

@@ -29,8 +29,7 @@ void Progress::show(long long done, long long total) {
 }
 
 double Progress::secondsLeft(double share) const {
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  return share > 0.0 ? elapsed.count() * (1.0 - share) / share : 0.0;
+  return share > 0.0 ? secondsSince(start_) * (1.0 - share) / share : 0.0;
 }
 
 void Progress::showBar(double share) {
@@ -52,6 +51,10 @@ void Progress::showLine(double share) {
   const std::string left = tens < 10 ? ", " + durationText(secondsLeft(share)) + " left" : "";
   std::fprintf(stream_, "%s%3d %%%s\n", label_.c_str(), 10 * tens, left.c_str());
   std::fflush(stream_);
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 bool isTerminal(std::FILE* stream) {
@@ -99,8 +102,7 @@ void StageProgress::show(const std::string& stage, double done) {
   if (!bar_ || stage != stage_ || steps < steps_) begin(stage);
   steps_ = steps;
   if (steps == kSteps) return finish();
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  if (!open_ && elapsed.count() < patience_) return;
+  if (!open_ && secondsSince(start_) < patience_) return;
   bar_->show(steps, kSteps);
   open_ = true;
 }

@@ -33,6 +33,9 @@ class Progress {
   int shown_ = -1;  // last value shown: percent on a bar, tens of percent in lines
 };
 
+/// Returns the time since then, s.
+double secondsSince(std::chrono::steady_clock::time_point start);
+
 /// True if the stream is a terminal that can redraw a line.
 bool isTerminal(std::FILE* stream);
 

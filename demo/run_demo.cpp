@@ -25,10 +25,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 /// The renderer and the output of its pictures.
 struct Pictures {
   Pictures(const scenes::Scene& scene, const DemoOptions& options, std::int64_t frameCount)

@@ -85,12 +85,6 @@ Json endJson(const RunFigures& f) {
           {"reason", f.endProblem.empty() ? Json(nullptr) : Json(f.endProblem)}};
 }
 
-std::string hex(std::uint64_t value) {
-  char text[24];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
-
 Json runJson(const DemoOptions& options, const RunFigures& f) {
   Json json = {{"schema", kSchemaVersion}, {"scene", options.scene}, {"options", optionsJson(options)}};
   json["bodies"] = f.bodies;
@@ -110,7 +104,7 @@ Json runJson(const DemoOptions& options, const RunFigures& f) {
   json["realTimeFactor"] = f.realTimeFactor();
   json["realTimeFactorTicksOnly"] = f.tickRealTimeFactor();
   json["shape"] = shapeJson(f.shape);
-  json["stateHash"] = hex(f.stateHash);
+  json["stateHash"] = hashText(f.stateHash);
   json["endCheck"] = endJson(f);
   return json;
 }
@@ -135,7 +129,7 @@ void printTable(const DemoOptions& options, const RunFigures& f) {
   if (f.render.count > 0) std::printf(" (%.2f without pictures)", f.tickRealTimeFactor());
   std::printf("\n");
   printShape(f.shape);
-  std::printf("state       %s\n", hex(f.stateHash).c_str());
+  std::printf("state       %s\n", hashText(f.stateHash).c_str());
   std::printf("end check   %s\n", f.endProblem.empty() ? "passed" : ("FAILED: " + f.endProblem).c_str());
 }
 

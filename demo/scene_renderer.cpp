@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "scene_renderer.h"
 
+#include "scenes/end_checks.h"
 #include "scenes/scene.h"
 
 #include <limber/view/velocity_arrows.h>
@@ -35,11 +36,7 @@ render::Material materialOf(scenes::Finish finish, double size) {
 }
 
 /// Returns the largest extent of a body at rest, m.
-double sizeOf(const SoftBody& body) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : body.network().restPoints) box.extend(p);
-  return box.sizes().cwiseProduct(body.settings().scale.cwiseAbs()).maxCoeff();
-}
+double sizeOf(const SoftBody& body) { return scenes::sizeOf(scenes::restShape(body)); }
 
 }  // namespace
 
@@ -158,10 +155,6 @@ int modeOf(const OverlayChoice& choice) {
 /// Bullet calls debugDraw() of its actions, which draw the soft bodies, in these modes only.
 constexpr int kActionModes =
     btIDebugDraw::DBG_DrawWireframe | btIDebugDraw::DBG_DrawAabb | btIDebugDraw::DBG_DrawNormals;
-
-}  // namespace
-
-namespace {
 
 constexpr render::Vec3 kWaterLine{0.10f, 0.42f, 0.72f};
 constexpr int kWaterLines = 12;

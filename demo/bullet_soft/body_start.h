@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "scenes/scene.h"
+
 #include <limber/soft_body_settings.h>
 
 #include <btBulletDynamicsCommon.h>
@@ -39,12 +41,7 @@ struct BodyStart {
 /// Computes the initial state. Throws std::runtime_error if the two spring constants differ.
 BodyStart startOf(const BodySetup& setup);
 
-inline btVector3 toBullet(const Eigen::Vector3d& v) {
-  return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
-}
-
-inline Eigen::Vector3d fromBullet(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
+using scenes::fromBullet;
+using scenes::toBullet;
 
 }  // namespace limber::bullet_soft

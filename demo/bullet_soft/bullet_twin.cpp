@@ -298,7 +298,7 @@ void BulletTwin::blow(const scenes::Scene& other) {
     if (body.soft.body->m_cfg.kDG == btScalar(0)) continue;
     Eigen::Vector3d wind = air.wind;
     if (air.windAt) wind += air.windAt(nodePositions(body.soft).rowwise().mean(), seconds);
-    body.soft.body->setWindVelocity(scenes::toBullet(wind));
+    body.soft.body->setWindVelocity(toBullet(wind));
   }
 }
 
@@ -312,9 +312,9 @@ void BulletTwin::pull(const HeldPoint& held) {
   btSoftBody::Node& node = body.soft.node(held.point);
   const double share = body.start.masses.sum() * double(node.m_im) * kTwinTick;
   const double spring = share * kRate * kRate, damper = share * 2.0 * kRate;
-  const Eigen::Vector3d away = held.place - scenes::fromBullet(node.m_x);
-  const Eigen::Vector3d velocity = scenes::fromBullet(node.m_v);
-  node.m_v = scenes::toBullet((velocity + spring * away) / (1.0 + damper + spring * kTwinTick));
+  const Eigen::Vector3d away = held.place - fromBullet(node.m_x);
+  const Eigen::Vector3d velocity = fromBullet(node.m_v);
+  node.m_v = toBullet((velocity + spring * away) / (1.0 + damper + spring * kTwinTick));
   body.soft.body->activate(true);
 }
 
@@ -330,7 +330,7 @@ bool BulletTwin::isFinite() const {
 // --- results -----------------------------------------------------------------------------------------------
 
 Eigen::Vector3d BulletTwin::position(std::size_t b, std::uint32_t i) const {
-  return scenes::fromBullet(bodies_[b].soft.node(i).m_x);
+  return fromBullet(bodies_[b].soft.node(i).m_x);
 }
 
 Eigen::Vector3d BulletTwin::center(std::size_t b) const {

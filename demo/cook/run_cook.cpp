@@ -78,10 +78,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kPatience = 0.3;  // s
 
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 ExitCode fail(const std::string& reason) {
   std::fprintf(stderr, "limber-cook: %s\n", reason.c_str());
   return kFailure;

@@ -61,12 +61,7 @@ void drive(Car& car) {
 }
 
 std::string addDeck(Scene& scene, const SceneOptions& options) {
-  ClothSettings shape;
-  shape.width = kSpan;
-  shape.depth = kDeckWidth;
-  shape.columns = kDeckColumns;
-  shape.rows = kDeckRows;
-  const Result<SharedNetwork> network = buildCloth(shape);
+  const Result<SharedNetwork> network = clothNetwork(kSpan, kDeckWidth, kDeckColumns, kDeckRows);
   if (!network) return network.error();
   SoftBodySettings settings;
   settings.totalMass = 6.0;
@@ -76,10 +71,7 @@ std::string addDeck(Scene& scene, const SceneOptions& options) {
   settings.pointRadius = kDeckRadius;
   settings.position = {0.0, kBankHeight + Random(options.seed).between(0.0, 1e-3), 0.0};
   apply(options, settings);
-  BodyLook look;
-  look.colour = {0.55f, 0.25f, 0.16f};
-  look.smooth = look.checkered = true;
-  look.finish = Finish::Cloth;
+  const BodyLook look = clothLook({0.55f, 0.25f, 0.16f});
   if (const std::string reason = addBody(scene, *network, settings, look); !reason.empty()) return reason;
   SoftBody& deck = *scene.soft->body(0);
   for (std::uint32_t row = 0; row <= kDeckRows; ++row)
@@ -91,8 +83,7 @@ void addBanks(Scene& scene) {
   const Eigen::Vector3d half(0.5 * kBank, 0.5 * kBankHeight, kDeckWidth);
   for (const double side : {-1.0, 1.0}) {
     const Eigen::Vector3d centre(side * 0.5 * (kSpan + kBank), half.y(), 0.0);
-    scene.rigidLooks.push_back(
-        {&addStatic(*scene.world, std::make_unique<btBoxShape>(toBullet(half)), centre, 1.0), kStone});
+    addStatic(scene, std::make_unique<btBoxShape>(toBullet(half)), centre, 1.0, kStone);
   }
 }
 

@@ -73,10 +73,7 @@ std::string addCurtain(Scene& scene, const SharedNetwork& network, SoftBodySetti
   settings.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) *
                       Eigen::AngleAxisd(0.5 * 3.141592653589793, Eigen::Vector3d::UnitX());
   settings.position = {x, kTop - 0.5 * kHeight, 0.0};
-  BodyLook look;
-  look.colour = paletteColour(scene.looks.size());
-  look.smooth = look.checkered = true;
-  look.finish = Finish::Cloth;
+  const BodyLook look = clothLook(paletteColour(scene.looks.size()));
   const std::string reason = addBody(scene, network, settings, look);
   if (!reason.empty()) return reason;
   SoftBody& cloth = *scene.soft->body(scene.soft->bodyCount() - 1);
@@ -112,19 +109,10 @@ SoftBodySettings clothSettings(const SceneOptions& options) {
   return settings;
 }
 
-Result<SharedNetwork> clothNetwork() {
-  ClothSettings shape;
-  shape.width = kWidth;
-  shape.depth = kHeight;
-  shape.columns = kColumns;
-  shape.rows = kRows;
-  return buildCloth(shape);
-}
-
 }  // namespace
 
 SceneResult createCurtain(const SceneOptions& options) {
-  const Result<SharedNetwork> network = clothNetwork();
+  const Result<SharedNetwork> network = clothNetwork(kWidth, kHeight, kColumns, kRows);
   if (!network) return Error{network.error()};
   const std::uint32_t count = options.count.value_or(1);
   const double half = 0.5 * kSpacing * double(count - 1);

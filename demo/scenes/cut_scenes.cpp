@@ -28,19 +28,12 @@ const Eigen::Vector3d kBlockCentre(1.5, 0.45, 0.0);    // m
 /// Adds a square cloth with a side of `size` (m) and so many cells along it.
 std::string addCloth(Scene& scene, double size, std::uint32_t cells, SoftBodySettings settings,
                      const SceneOptions& options) {
-  ClothSettings shape;
-  shape.width = shape.depth = size;
-  shape.columns = shape.rows = cells;
-  const Result<SharedNetwork> network = buildCloth(shape);
+  const Result<SharedNetwork> network = clothNetwork(size, size, cells, cells);
   if (!network) return network.error();
   settings.pointRadius = 0.012;
   settings.flow.linearDrag = 1.6;
   apply(options, settings);
-  BodyLook look;
-  look.colour = paletteColour(0);
-  look.smooth = look.checkered = true;
-  look.finish = Finish::Cloth;
-  return addBody(scene, *network, settings, look);
+  return addBody(scene, *network, settings, clothLook(paletteColour(0)));
 }
 
 std::string addBanner(Scene& scene, const SceneOptions& options) {
@@ -76,10 +69,7 @@ std::string addBlock(Scene& scene, const SceneOptions& options) {
   if (!jelly) return jelly.error();
   settings = *jelly;
   apply(options, settings);
-  BodyLook look;
-  look.colour = paletteColour(1);
-  look.finish = Finish::Jelly;
-  return addBody(scene, *network, settings, look);
+  return addBody(scene, *network, settings, {paletteColour(1), false, false, Finish::Jelly});
 }
 
 /// Gives the points on each side of a plane a velocity away from it.

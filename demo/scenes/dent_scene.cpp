@@ -91,8 +91,7 @@ std::string addBlocks(Scene& scene, const SharedNetwork& network, const SceneOpt
     settings.elasticLimit.yieldStrain = kYields[i];
     settings.friction = 1.0;
     apply(options, settings);
-    BodyLook look;
-    look.colour = paletteColour(i);
+    const BodyLook look{paletteColour(i)};
     if (const std::string reason = addBody(scene, network, settings, look); !reason.empty()) return reason;
   }
   return {};
@@ -111,12 +110,9 @@ SceneResult createDent(const SceneOptions& options) {
   if (const std::string reason = addBlocks(*scene, *network, options); !reason.empty()) return Error{reason};
   const double above = kBlockHeight + kPressRadius;
   std::vector<btRigidBody*> presses;
-  for (std::size_t i = 0; i < 3; ++i) {
-    auto shape = std::make_unique<btSphereShape>(static_cast<btScalar>(kPressRadius));
+  for (std::size_t i = 0; i < 3; ++i)
     presses.push_back(
-        &addMovable(*scene->world, std::move(shape), 0.0, {blockAt(i), above + kAbove, 0.0}, 0.5));
-    scene->rigidLooks.push_back({presses.back(), Eigen::Vector3f(0.55f, 0.58f, 0.62f), Finish::Metal});
-  }
+        &addBall(*scene, {blockAt(i), above + kAbove, 0.0}, kPressRadius, 0.0, {0.55f, 0.58f, 0.62f}));
   scene->beforeTick = [presses, above](Scene& now) {
     const double time = double(now.ticks + 1) / double(kTicksPerSecond);
     for (std::size_t i = 0; i < presses.size(); ++i)

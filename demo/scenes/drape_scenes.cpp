@@ -6,7 +6,6 @@
 #include "scenes/scene_list.h"
 
 #include <algorithm>
-#include <array>
 
 namespace limber::scenes {
 
@@ -23,12 +22,6 @@ const Eigen::Vector3f kBoxColour(0.80f, 0.81f, 0.83f);
 
 Eigen::Vector3d boxHalfExtents(std::uint32_t ropes) {
   return {0.45, 0.55, 0.5 * kRopeSpacing * (double(ropes) + 0.6)};
-}
-
-void addBox(Scene& scene, const Eigen::Vector3d& half) {
-  const Eigen::Vector3d centre(0.0, half.y(), 0.0);
-  auto box = std::make_unique<btBoxShape>(toBullet(half));
-  scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(box), centre, 1.0), kBoxColour});
 }
 
 /// Sets the start of a rope: level, across the box, a little off its centre.
@@ -85,14 +78,12 @@ SceneResult createRope(const SceneOptions& options) {
   const Eigen::Vector3d half = boxHalfExtents(count);
   auto scene = std::make_unique<Scene>();
   addFloor(*scene, 8.0 + half.z());
-  addBox(*scene, half);
+  addStatic(*scene, std::make_unique<btBoxShape>(toBullet(half)), {0.0, half.y(), 0.0}, 1.0, kBoxColour);
   Random random(options.seed);
   SoftBodySettings settings = ropeSettings(options);
   for (std::uint32_t i = 0; i < count; ++i) {
     setStart(settings, kRopeSpacing * (double(i) - 0.5 * double(count - 1)), random);
-    BodyLook look;
-    look.colour = paletteColour(i);
-    const std::string reason = addBody(*scene, *network, settings, look);
+    const std::string reason = addBody(*scene, *network, settings, {paletteColour(i)});
     if (!reason.empty()) return Error{reason};
   }
   scene->view.box =
@@ -114,11 +105,6 @@ constexpr double kBallRadius = 0.75;   // m
 constexpr double kSpacing = 3.2;       // m from ball to ball when there are several
 const Eigen::Vector3f kBallColour(0.92f, 0.92f, 0.92f);
 
-void addBall(Scene& scene, const Eigen::Vector3d& centre) {
-  auto shape = std::make_unique<btSphereShape>(btScalar(kBallRadius));
-  scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(shape), centre, 1.0), kBallColour});
-}
-
 SoftBodySettings clothSettings(const SceneOptions& options) {
   SoftBodySettings settings;
   settings.totalMass = 0.6;
@@ -133,20 +119,15 @@ SoftBodySettings clothSettings(const SceneOptions& options) {
   return settings;
 }
 
-std::array<std::uint32_t, 4> cornersOf() {
-  constexpr std::uint32_t kRow = kCells + 1;
-  return {0, kCells, kCells * kRow, kCells * kRow + kCells};
-}
-
 /// Checks that the cloth lies on its ball and its corners hang below the ball's centre.
 std::string drapes(const SoftBody& cloth, const Eigen::Vector3d& ball) {
   double top = cloth.position(0).y();
   for (std::uint32_t i = 0; i < cloth.pointCount(); ++i) top = std::max(top, cloth.position(i).y());
   if (top < ball.y() + kBallRadius) return "does not lie on the sphere";
   if (top > ball.y() + kBallRadius + 0.1) return "does not touch the top of the sphere";
-  for (const std::uint32_t corner : cornersOf()) {
+  constexpr std::uint32_t kRow = kCells + 1;
+  for (const std::uint32_t corner : {0u, kCells, kCells * kRow, kCells * kRow + kCells})
     if (cloth.position(corner).y() > ball.y()) return "does not hang down at all its corners";
-  }
   return {};
 }
 
@@ -159,32 +140,21 @@ std::string checkDrapes(const Scene& scene) {
   return {};
 }
 
-Result<SharedNetwork> clothNetwork() {
-  ClothSettings shape;
-  shape.width = shape.depth = kClothWidth;
-  shape.columns = shape.rows = kCells;
-  return buildCloth(shape);
-}
-
 /// Adds a ball on the floor and a cloth above it, with a small random rotation.
 std::string addPair(Scene& scene, const SharedNetwork& network, SoftBodySettings settings,
                     const Eigen::Vector3d& at, Random& random) {
   const Eigen::Vector3d ball = at + Eigen::Vector3d(0.0, kBallRadius, 0.0);
-  addBall(scene, ball);
+  addStatic(scene, std::make_unique<btSphereShape>(btScalar(kBallRadius)), ball, 1.0, kBallColour);
   settings.position = ball + Eigen::Vector3d(0.0, kBallRadius + 0.5, 0.0);
   settings.rotation = Eigen::AngleAxisd(random.between(0.1, 0.5), Eigen::Vector3d::UnitY());
-  BodyLook look;
-  look.colour = paletteColour(scene.looks.size());
-  look.smooth = look.checkered = true;
-  look.finish = Finish::Cloth;
   scene.endChecks.push_back(checkOutsideBall(ball, kBallRadius, 0.5 * kClothRadius));
-  return addBody(scene, network, settings, look);
+  return addBody(scene, network, settings, clothLook(paletteColour(scene.looks.size())));
 }
 
 }  // namespace
 
 SceneResult createCloth(const SceneOptions& options) {
-  const Result<SharedNetwork> network = clothNetwork();
+  const Result<SharedNetwork> network = clothNetwork(kClothWidth, kClothWidth, kCells, kCells);
   if (!network) return Error{network.error()};
   const std::uint32_t count = options.count.value_or(1);
   const std::uint32_t columns = gridColumns(count);

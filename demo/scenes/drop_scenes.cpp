@@ -106,9 +106,7 @@ std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings
                     double sideways) {
   if (!braced) settings.volumeModulus = 0.0;
   settings.position.x() += braced ? sideways : -sideways;
-  BodyLook look;
-  look.colour = braced ? kBracedColour : kBareColour;
-  return addBody(scene, network, settings, look);
+  return addBody(scene, network, settings, {braced ? kBracedColour : kBareColour});
 }
 
 void addFloorAndView(Scene& scene, double half) {

@@ -35,10 +35,7 @@ std::string addFlag(Scene& scene, const SharedNetwork& network, const SceneOptio
   settings.position = {0.5 * kFlagWidth + 1.5 * kPoleRadius, topOf() - 0.5 * kFlagHeight, z};
   settings.linearVelocity = {0.0, 0.0, Random(options.seed + scene.looks.size()).between(-0.1, 0.1)};
   apply(options, settings);
-  BodyLook look;
-  look.colour = paletteColour(scene.looks.size());
-  look.smooth = look.checkered = true;
-  look.finish = Finish::Cloth;
+  const BodyLook look = clothLook(paletteColour(scene.looks.size()));
   if (const std::string reason = addBody(scene, network, settings, look); !reason.empty()) return reason;
   SoftBody& flag = *scene.soft->body(scene.soft->bodyCount() - 1);
   for (std::uint32_t j = 0; j <= kFlagRows; j += 2) flag.pin(j * (kFlagColumns + 1));
@@ -85,12 +82,7 @@ void setGusts(Scene& scene) {
 }  // namespace
 
 SceneResult createFlag(const SceneOptions& options) {
-  ClothSettings shape;
-  shape.width = kFlagWidth;
-  shape.depth = kFlagHeight;
-  shape.columns = kFlagColumns;
-  shape.rows = kFlagRows;
-  const Result<SharedNetwork> network = buildCloth(shape);
+  const Result<SharedNetwork> network = clothNetwork(kFlagWidth, kFlagHeight, kFlagColumns, kFlagRows);
   if (!network) return Error{network.error()};
   const std::uint32_t count = options.count.value_or(2);
   const double half = 0.5 * kFlagSpacing * double(count - 1);

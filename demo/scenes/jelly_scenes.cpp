@@ -104,9 +104,7 @@ SceneResult createWobble(const SceneOptions& options) {
   if (!network) return Error{network.error()};
   auto scene = std::make_unique<Scene>();
   addFloor(*scene, 4.0);
-  BodyLook look;
-  look.colour = {0.70f, 0.07f, 0.15f};
-  look.finish = Finish::Jelly;
+  const BodyLook look{{0.70f, 0.07f, 0.15f}, false, false, Finish::Jelly};
   const double lift = 1e-3 + Random(options.seed).between(0.0, 1e-3);
   if (std::string reason = addFilled(*scene, *network, {1.5e4, 0.4, 1000.0, 0.006},
                                      {0.0, kDishHeight + lift, 0.0}, look, options);
@@ -149,9 +147,7 @@ SceneResult createStiffness(const SceneOptions& options) {
   addFloor(*scene, 6.0);
   Random random(options.seed);
   for (std::size_t i = 0; i < kModuli.size(); ++i) {
-    BodyLook look;
-    look.colour = paletteColour(i);
-    look.smooth = true;
+    const BodyLook look{paletteColour(i), true};
     const Eigen::Vector3d at(kDropSpacing * (double(i) - 2.0), kDropHeight + random.between(0.0, 1e-3), 0.0);
     const std::string reason = addFilled(
         *scene, *network, {kModuli[i], 0.4, 500.0, kDamping / std::sqrt(kModuli[i])}, at, look, options);
@@ -204,10 +200,7 @@ SceneResult createBalloon(const SceneOptions& options) {
   settings.pointRadius = 0.01;
   settings.position = {0.0, kBalloonRadius + 0.03 + Random(options.seed).between(0.0, 1e-3), 0.0};
   apply(options, settings);
-  BodyLook look;
-  look.colour = {0.90f, 0.16f, 0.20f};
-  look.smooth = true;
-  look.finish = Finish::Jelly;
+  const BodyLook look{{0.90f, 0.16f, 0.20f}, true, false, Finish::Jelly};
   if (std::string reason = addBody(*scene, *network, settings, look); !reason.empty()) return Error{reason};
   btRigidBody& plate = addBox(*scene, {0.0, kOpen + 0.04, 0.0}, {0.7, 0.04, 0.7}, 0.0, kPlateGrey);
   const double filledVolume = volumeOf(*scene->soft->body(0));

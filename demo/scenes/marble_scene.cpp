@@ -61,9 +61,7 @@ std::string addCube(Scene& scene, const SharedNetwork& network, SoftBodySettings
   const std::size_t index = scene.looks.size();
   settings.position = {x, 0.5 * kEdge + kThinRadius, 0.0};
   settings.rotation = Eigen::AngleAxisd(random.between(-0.2, 0.2), Eigen::Vector3d::UnitY());
-  BodyLook look;
-  look.colour = paletteColour(index);
-  std::string reason = addBody(scene, network, settings, look);
+  std::string reason = addBody(scene, network, settings, {paletteColour(index)});
   if (reason.empty()) addMarble(scene, index, settings.position, random);
   return reason;
 }

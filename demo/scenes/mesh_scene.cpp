@@ -120,6 +120,12 @@ std::string dropCopies(Scene& scene, const DroppedMesh& mesh, const SceneOptions
 
 }  // namespace
 
+const std::map<std::string, Feel>& feels() {
+  static const std::map<std::string, Feel> feels = {
+      {"jelly", Feel::Jelly}, {"rubber", Feel::Rubber}, {"foam", Feel::Foam}, {"stiff", Feel::Stiff}};
+  return feels;
+}
+
 Material materialOf(Feel feel) {
   switch (feel) {
     case Feel::Jelly:

@@ -16,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -124,11 +123,7 @@ class Hash {
     add(all.size());
     if (!all.empty()) add(all.data(), all.size() * sizeof(T));
   }
-  std::string text() const {
-    char line[20];
-    std::snprintf(line, sizeof line, "%016llx", static_cast<unsigned long long>(value_));
-    return line;
-  }
+  std::uint64_t value() const { return value_; }
 
  private:
   std::uint64_t value_ = 0xcbf29ce484222325u;
@@ -146,7 +141,7 @@ std::string hashOf(const TriangleMesh& mesh, const CookSettings& s) {
   hash.add(s.mode);
   hash.add(s.pieces);
   hash.add(s.skin ? static_cast<int>(*s.skin) : -1);
-  return hash.text();
+  return demo::hashText(hash.value());
 }
 
 std::string bodyFile(const std::string& base, std::size_t body) {

@@ -107,8 +107,6 @@ Overlap deepestOverlap(const std::vector<PosedSurface>& surfaces) {
 
 namespace {
 
-using Eigen::Vector3d;
-
 const btBoxShape* asBox(const btRigidBody& rigid) {
   return rigid.getCollisionShape()->getShapeType() == BOX_SHAPE_PROXYTYPE
              ? static_cast<const btBoxShape*>(rigid.getCollisionShape())

@@ -46,7 +46,7 @@ Result<std::vector<Kind>> readKinds() {
 
 void addWall(Scene& scene, const Eigen::Vector3d& centre, const Eigen::Vector3d& half) {
   auto box = std::make_unique<btBoxShape>(toBullet(half));
-  scene.rigidLooks.push_back({&addStatic(*scene.world, std::move(box), centre, 0.5), kWallColour});
+  addStatic(scene, std::move(box), centre, 0.5, kWallColour);
 }
 
 void addBin(Scene& scene) {
@@ -96,9 +96,7 @@ SceneResult createPile(const SceneOptions& options) {
     const Kind& kind = (*kinds)[i % kinds->size()];
     settings.position = startOf(i);
     settings.rotation = random.rotation();
-    BodyLook look;
-    look.colour = variedColour(i + i / kinds->size(), random);
-    look.smooth = kind.smooth;
+    const BodyLook look{variedColour(i + i / kinds->size(), random), kind.smooth};
     const std::string reason = addBody(*scene, kind.network, settings, look);
     if (!reason.empty()) return Error{reason};
   }

@@ -52,8 +52,7 @@ std::string addFloats(Scene& scene, const SharedNetwork& network, const SceneOpt
     settings.extensionStiffness = settings.compressionStiffness = 4e4;
     settings.damping = 60.0;
     apply(options, settings);
-    BodyLook look;
-    look.colour = paletteColour(i % 4);
+    const BodyLook look{paletteColour(i % 4)};
     if (const std::string reason = addBody(scene, network, settings, look); !reason.empty()) return reason;
   }
   return {};

@@ -128,6 +128,26 @@ std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings&
   return body.error();
 }
 
+Result<SharedNetwork> clothNetwork(double width, double depth, std::uint32_t columns, std::uint32_t rows) {
+  ClothSettings shape;
+  shape.width = width;
+  shape.depth = depth;
+  shape.columns = columns;
+  shape.rows = rows;
+  return buildCloth(shape);
+}
+
+BodyLook clothLook(const Eigen::Vector3f& colour, bool checkered) {
+  return {colour, true, checkered, Finish::Cloth};
+}
+
+btRigidBody& addStatic(Scene& scene, std::unique_ptr<btCollisionShape> shape, const Eigen::Vector3d& centre,
+                       double friction, const Eigen::Vector3f& colour) {
+  btRigidBody& body = addStatic(*scene.world, std::move(shape), centre, friction);
+  scene.rigidLooks.push_back({&body, colour});
+  return body;
+}
+
 btRigidBody& addBall(Scene& scene, const Eigen::Vector3d& centre, double radius, double mass,
                      const Eigen::Vector3f& colour) {
   auto shape = std::make_unique<btSphereShape>(btScalar(radius));

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -102,6 +103,8 @@ Timeline timelineOf(double seconds, int framesPerSecond);
 /// Materials of meshes: Material::jelly() and so on.
 enum class Feel { Jelly, Rubber, Foam, Stiff };
 Material materialOf(Feel feel);
+/// Returns the feels by their names on the command line.
+const std::map<std::string, Feel>& feels();
 
 /// The user's choices. The scene chooses the missing ones.
 struct SceneOptions {
@@ -181,6 +184,16 @@ void addDropFloor(Scene& scene, const DropGridSettings& grid, double size, doubl
 /// Adds a body. Returns the reason of a failure, or an empty string.
 std::string addBody(Scene& scene, SharedNetwork network, const SoftBodySettings& settings,
                     const BodyLook& look);
+
+/// Builds the network of a cloth of this size (m) and so many cells; see buildCloth().
+Result<SharedNetwork> clothNetwork(double width, double depth, std::uint32_t columns, std::uint32_t rows);
+
+/// Returns the look of a cloth.
+BodyLook clothLook(const Eigen::Vector3f& colour, bool checkered = true);
+
+/// Adds an immovable body and its colour.
+btRigidBody& addStatic(Scene& scene, std::unique_ptr<btCollisionShape> shape, const Eigen::Vector3d& centre,
+                       double friction, const Eigen::Vector3f& colour);
 
 /// Add a movable body and its colour; mass in kg, 0: kinematic.
 btRigidBody& addBall(Scene& scene, const Eigen::Vector3d& centre, double radius, double mass,

@@ -187,10 +187,7 @@ std::string addDancer(Scene& scene, const SharedNetwork& network, const SceneOpt
   settings.position = dancer.feet;
   settings.linearVelocity = {0.0, 0.0, Random(options.seed + scene.looks.size()).between(-0.05, 0.05)};
   apply(options, settings);
-  BodyLook look;
-  look.colour = paletteColour(scene.looks.size());
-  look.smooth = true;
-  look.finish = Finish::Cloth;
+  const BodyLook look = clothLook(paletteColour(scene.looks.size()), false);
   if (std::string reason = addBody(scene, network, settings, look); !reason.empty()) return reason;
   dancer.dress = scene.soft->body(scene.soft->bodyCount() - 1);
   Result<Skeleton> skeleton =

@@ -64,9 +64,7 @@ SceneResult createStack(const SceneOptions& options) {
     settings.position = {random.between(-kStartOffset, kStartOffset), height,
                          random.between(-kStartOffset, kStartOffset)};
     settings.rotation = Eigen::AngleAxisd(random.between(-0.1, 0.1), Eigen::Vector3d::UnitY());
-    BodyLook look;
-    look.colour = paletteColour(i);
-    const std::string reason = addBody(*scene, *cube, settings, look);
+    const std::string reason = addBody(*scene, *cube, settings, {paletteColour(i)});
     if (!reason.empty()) return Error{reason};
   }
   scene->view.box =
@@ -140,9 +138,7 @@ SceneResult createTower(const SceneOptions& options) {
     const double base = kFloorHeight * i;
     settings.position = {0.0, base + kThinRadius + 0.5 * kBlock, 0.0};
     settings.rotation = Eigen::AngleAxisd(random.between(-0.2, 0.2), Eigen::Vector3d::UnitY());
-    BodyLook look;
-    look.colour = paletteColour(i);
-    look.finish = Finish::Jelly;
+    const BodyLook look{paletteColour(i), false, false, Finish::Jelly};
     const std::string reason = addBody(*scene, *cube, settings, look);
     if (!reason.empty()) return Error{reason};
     addBox(*scene, {0.0, base + 2.0 * kThinRadius + kBlock + kGap + kPlateThick, 0.0},

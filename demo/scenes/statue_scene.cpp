@@ -57,10 +57,7 @@ std::string checkVeiled(const Scene& scene) {
 }
 
 std::string addVeil(Scene& scene, const SceneOptions& options) {
-  ClothSettings shape;
-  shape.width = shape.depth = kVeilWidth;
-  shape.columns = shape.rows = kVeilCells;
-  const Result<SharedNetwork> network = buildCloth(shape);
+  const Result<SharedNetwork> network = clothNetwork(kVeilWidth, kVeilWidth, kVeilCells, kVeilCells);
   if (!network) return network.error();
   SoftBodySettings settings;
   settings.totalMass = 1.6;
@@ -73,11 +70,7 @@ std::string addVeil(Scene& scene, const SceneOptions& options) {
   settings.rotation =
       Eigen::AngleAxisd(0.7 + Random(options.seed).between(-0.1, 0.1), Eigen::Vector3d::UnitY());
   apply(options, settings);
-  BodyLook look;
-  look.colour = {0.16f, 0.36f, 0.62f};
-  look.smooth = true;
-  look.finish = Finish::Cloth;
-  return addBody(scene, *network, settings, look);
+  return addBody(scene, *network, settings, clothLook({0.16f, 0.36f, 0.62f}, false));
 }
 
 }  // namespace
@@ -89,12 +82,8 @@ SceneResult createStatue(const SceneOptions& options) {
   auto scene = std::make_unique<Scene>();
   addFloor(*scene, 6.0, 1.0);
   const Eigen::Vector3d half(kPedestalHalf, 0.5 * kPedestalHeight, kPedestalHalf);
-  scene->rigidLooks.push_back(
-      {&addStatic(*scene->world, std::make_unique<btBoxShape>(toBullet(half)), {0.0, half.y(), 0.0}, 0.6),
-       kMarble});
-  scene->rigidLooks.push_back(
-      {&addStatic(*scene->world, std::make_unique<StatueShape>(*mesh), Eigen::Vector3d::Zero(), 0.6),
-       kMarble});
+  addStatic(*scene, std::make_unique<btBoxShape>(toBullet(half)), {0.0, half.y(), 0.0}, 0.6, kMarble);
+  addStatic(*scene, std::make_unique<StatueShape>(*mesh), {0.0, 0.0, 0.0}, 0.6, kMarble);
   if (std::string reason = addVeil(*scene, options); !reason.empty()) return Error{reason};
   scene->view.box = Eigen::AlignedBox3d(Eigen::Vector3d(-1.1, 0, -0.9), Eigen::Vector3d(1.1, 1.95, 0.9));
   scene->view.direction = {0.35, 0.3, 1.0};

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "window/command.h"
 
+#include "number_checks.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <sstream>
 
 namespace limber::demo {
@@ -42,13 +43,6 @@ const ActionInfo* findAction(const std::string& name) {
 template <class List>
 bool hasName(const List& list, const std::string& name) {
   return std::any_of(list.begin(), list.end(), [&name](const auto& info) { return name == info.name; });
-}
-
-Result<double> parseFinite(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value)) return Error{text + " is not a finite number"};
-  return value;
 }
 
 /// Returns the reason why a number is not from `low` to `high`, or an empty string.
@@ -99,8 +93,8 @@ Result<Command> parseCommand(const std::string& text) {
   Command command{info->action, {}, {}};
   if (info->hasWord && !(words >> command.word)) return Error{name + " needs a name"};
   for (std::string word; words >> word;) {
-    const Result<double> number = parseFinite(word);
-    if (!number) return Error{number.error()};
+    const std::optional<double> number = finiteNumber(word);
+    if (!number) return Error{word + " is not a finite number"};
     command.numbers.push_back(*number);
   }
   if (command.numbers.size() != info->numbers)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "window/orbit_camera.h"
 
+#include "scene_renderer.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -23,11 +25,6 @@ double metresPerPixel(const OrbitCamera& camera, const WindowSize& size) {
   return 2.0 * std::tan(0.5 * fieldOfView()) * camera.distance / size.height;
 }
 
-render::Vec3 floats(const Eigen::Vector3d& v) {
-  const Eigen::Vector3f f = v.cast<float>();
-  return {f.x(), f.y(), f.z()};
-}
-
 }  // namespace
 
 Eigen::Vector3d OrbitCamera::back() const {
@@ -42,8 +39,8 @@ Eigen::Vector3d OrbitCamera::eye() const { return target + distance * back(); }
 
 render::Camera OrbitCamera::camera() const {
   render::Camera camera;
-  camera.eye = floats(eye());
-  camera.target = floats(target);
+  camera.eye = toVec3(eye());
+  camera.target = toVec3(target);
   camera.nearPlane = static_cast<float>(kNearShare * distance);
   camera.farPlane = static_cast<float>(kFarShare * distance);
   return camera;

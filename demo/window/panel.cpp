@@ -288,18 +288,15 @@ void Panel::drawSetting(Session& session, std::size_t setting) {
   session.perform({Action::Set, {number}, info.name});
 }
 
-void Panel::drawSettings(Session& session) {
+void Panel::drawSettings(Session& session, bool ofBullet) {
   ImGui::PushItemWidth(170.0f);
   for (std::size_t i = 0; i < kSettingCount; ++i)
-    if (!isOfBullet(static_cast<Setting>(i))) drawSetting(session, i);
+    if (isOfBullet(static_cast<Setting>(i)) == ofBullet) drawSetting(session, i);
   ImGui::PopItemWidth();
 }
 
 void Panel::drawBulletSettings(Session& session) {
-  ImGui::PushItemWidth(170.0f);
-  for (std::size_t i = 0; i < kSettingCount; ++i)
-    if (isOfBullet(static_cast<Setting>(i))) drawSetting(session, i);
-  ImGui::PopItemWidth();
+  drawSettings(session, true);
   if (!session.bulletTwin()) return;
   std::string without;
   for (const std::string& note : session.bulletTwin()->notes())
@@ -316,7 +313,7 @@ void Panel::draw(Session& session, Controls& controls, const History& history, c
     drawPlayback(session, controls);
     drawFigures(session, history, figures);
     sliders_.clear();
-    if (ImGui::CollapsingHeader("settings", ImGuiTreeNodeFlags_DefaultOpen)) drawSettings(session);
+    if (ImGui::CollapsingHeader("settings", ImGuiTreeNodeFlags_DefaultOpen)) drawSettings(session, false);
     if (session.shows(Layer::Split) && ImGui::CollapsingHeader("btSoftBody", ImGuiTreeNodeFlags_DefaultOpen))
       drawBulletSettings(session);
     if (ImGui::CollapsingHeader("show", ImGuiTreeNodeFlags_DefaultOpen)) drawLayers(session);

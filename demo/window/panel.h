@@ -84,7 +84,7 @@ class Panel {
 
  private:
   void drawSetting(Session& session, std::size_t setting);
-  void drawSettings(Session& session);
+  void drawSettings(Session& session, bool ofBullet);
   void drawBulletSettings(Session& session);
 
   std::string message_;

@@ -3,10 +3,12 @@
 
 #include "window/recording.h"
 
+#include "number_checks.h"
 #include "output_files.h"
 #include "scenes/scene_list.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -20,10 +22,6 @@ namespace limber::demo {
 namespace {
 
 constexpr const char* kFirstLine = "limber-recording 1";
-constexpr std::pair<const char*, scenes::Feel> kFeels[] = {{"jelly", scenes::Feel::Jelly},
-                                                           {"rubber", scenes::Feel::Rubber},
-                                                           {"foam", scenes::Feel::Foam},
-                                                           {"stiff", scenes::Feel::Stiff}};
 
 std::string digits(double value) {
   char text[40];
@@ -31,13 +29,19 @@ std::string digits(double value) {
   return text;
 }
 
+const std::string& nameOf(scenes::Feel feel) {
+  return std::find_if(scenes::feels().begin(), scenes::feels().end(),
+                      [feel](const auto& one) { return one.second == feel; })
+      ->first;
+}
+
 // --- reading -----------------------------------------------------------------------------------------------
 
 /// Returns false for a text that is not a number from `low` to `high`.
 bool readNumber(const std::string& text, double low, double high, double& value) {
-  char* end = nullptr;
-  value = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && value >= low && value <= high;
+  const std::optional<double> number = finiteNumber(text);
+  value = number.value_or(0.0);
+  return number && value >= low && value <= high;
 }
 
 bool readWhole(const std::string& text, double low, double high, std::int64_t& value) {
@@ -55,11 +59,9 @@ bool readOptional(const std::string& text, double low, double high, std::optiona
 }
 
 bool readFeel(const std::string& text, scenes::Feel& feel) {
-  const auto* found = std::find_if(std::begin(kFeels), std::end(kFeels),
-                                   [&text](const auto& one) { return text == one.first; });
-  if (found == std::end(kFeels)) return false;
-  feel = found->second;
-  return true;
+  const auto found = scenes::feels().find(text);
+  if (found != scenes::feels().end()) feel = found->second;
+  return found != scenes::feels().end();
 }
 
 bool readSize(const std::string& text, WindowSize& size) {
@@ -195,12 +197,6 @@ std::int64_t Recording::ticks() const {
 
 // --- writing -----------------------------------------------------------------------------------------------
 
-const char* nameOf(scenes::Feel feel) {
-  return std::find_if(std::begin(kFeels), std::end(kFeels),
-                      [feel](const auto& one) { return one.second == feel; })
-      ->first;
-}
-
 std::string headerOf(const SceneChoice& choice, const WindowSize& size) {
   const scenes::SceneOptions& o = choice.options;
   std::string text = std::string(kFirstLine) + "\nscene " + choice.name + "\n";
@@ -229,9 +225,7 @@ std::string lineOf(const RecordedCommand& command) {
 }
 
 std::string lineOf(const RecordedState& state) {
-  char hash[24];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(state.hash));
-  return std::to_string(state.tick) + (state.end ? " end " : " state ") + hash + "\n";
+  return std::to_string(state.tick) + (state.end ? " end " : " state ") + hashText(state.hash) + "\n";
 }
 
 RecordedState stateOf(const Session& session, bool end) {
@@ -301,8 +295,19 @@ void Replay::compare(const Session& session, bool end) {
 
 namespace {
 
+/// Returns a word as a shell reads it: in quotes, unless all its characters stand for themselves.
+std::string quoted(const std::string& word) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::strchr("/._-+=:,@%", c) != nullptr || c >= 128;
+  };
+  if (std::all_of(word.begin(), word.end(), plain)) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 void addMesh(std::ostream& out, const scenes::SceneOptions& options) {
-  out << " --mesh " << options.meshFile;
+  out << " --mesh " << quoted(options.meshFile);
   if (options.feel != scenes::Feel::Rubber) out << " --feel " << nameOf(options.feel);
   if (options.cook.points > 0) out << " --points " << options.cook.points;
   if (options.cook.mode == CookMode::Braces) out << " --braces";
@@ -354,11 +359,12 @@ void addCamera(std::ostream& out, const OrbitCamera& camera) {
 std::string titleOf(const Session& session) {
   const Pace& pace = session.pace();
   std::ostringstream out;
-  out.precision(4);
+  out.precision(10);
   out << "limber-demo --window";
   addSceneOptions(out, session.choice());
   addSettings(out, session);
   addLayers(out, session);
+  out.precision(4);
   addCamera(out, session.camera());
   out << " - tick " << session.ticks();
   if (pace.paused) out << ", paused";

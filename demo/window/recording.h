@@ -58,9 +58,6 @@ Result<Recording> readRecording(const std::string& file);
 /// The same for a text; `name` is for errors.
 Result<Recording> parseRecording(const std::string& text, const std::string& name);
 
-/// Returns the name that a feel has on the command line.
-const char* nameOf(scenes::Feel feel);
-
 /// Returns the lines before the first command.
 std::string headerOf(const SceneChoice& choice, const WindowSize& size);
 std::string lineOf(const RecordedCommand& command);

@@ -2,6 +2,7 @@
 #include "window/run_window.h"
 
 #include "output_files.h"
+#include "progress.h"
 #include "run_demo.h"
 #include "window/panel.h"
 #include "window/recording.h"
@@ -27,10 +28,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kTitleFrames = 10, kLoggedFrames = 10;
-
-double secondsBetween(Clock::time_point start, Clock::time_point end) {
-  return std::chrono::duration<double>(end - start).count();
-}
 
 /// Opens a file of lines if it has a name.
 std::optional<LineFile> openLines(const std::string& file) {
@@ -172,7 +169,7 @@ bool Play::ends() const {
 
 void Play::frame() {
   const Clock::time_point now = Clock::now();
-  const double seconds = secondsBetween(frameStart_, now);
+  const double seconds = std::chrono::duration<double>(now - frameStart_).count();
   frameStart_ = now;
   ++frames_;
   measure(seconds);
@@ -229,7 +226,7 @@ void Play::draw(double fraction) {
   const WindowSize pixels = window_.framebufferSize();
   stage_.draw(*session_, fraction, pixels, double(pixels.width) / window_.size().width);
   window_.drawPanel();
-  figures_.drawMs += 0.05 * (1000.0 * secondsBetween(start, Clock::now()) - figures_.drawMs);
+  figures_.drawMs += 0.05 * (1000.0 * secondsSince(start) - figures_.drawMs);
 }
 
 void Play::drawCutLine() const {
@@ -291,7 +288,7 @@ ExitCode Play::finish() {
   const std::string end = lineOf(stateOf(*session_, true));
   record(end);
   if (!options_.window.picture.empty()) writePicture();
-  const double seconds = secondsBetween(start_, Clock::now());
+  const double seconds = secondsSince(start_);
   logLine("closed after %lld frames in %.2f s, %.1f frames/s", static_cast<long long>(frames_), seconds,
           double(frames_) / seconds);
   std::printf("%s", end.c_str());

@@ -66,44 +66,42 @@ render::RendererDesc rendererDesc(const render::GlContext& context, const Window
   return desc;
 }
 
-void addPins(render::Overlay& marks, const Session& session) {
-  const float size = kMarkShare * static_cast<float>(session.camera().distance);
+float markSize(const Session& session) { return kMarkShare * static_cast<float>(session.camera().distance); }
+
+/// Adds the line from what is held to the place to which it is pulled.
+void addPull(render::Overlay& marks, const Session& session, const Eigen::Vector3d& held) {
+  const render::Vec3 place = toVec3(session.hand().place());
+  marks.push_back({toVec3(held), place, kPullColour, kPullWidth});
+  render::addCross(marks, place, markSize(session), kPullColour, kPullWidth);
+}
+
+render::Overlay marksOf(const Session& session) {
+  render::Overlay marks;
+  const float size = markSize(session);
   const SoftBodySystem& soft = *session.scene().soft;
   for (std::size_t b = 0; b < soft.bodyCount(); ++b) {
     const SoftBody& body = *soft.body(b);
     for (std::uint32_t i = 0; i < body.pointCount(); ++i)
       if (body.pinned(i)) render::addCross(marks, toVec3(body.position(i)), size, kPinColour);
   }
-}
-
-render::Overlay marksOf(const Session& session) {
-  render::Overlay marks;
-  addPins(marks, session);
-  const Hand& hand = session.hand();
-  if (!hand.holds()) return marks;
-  const render::Vec3 place = toVec3(hand.place());
-  marks.push_back({toVec3(hand.held()), place, kPullColour, kPullWidth});
-  const float size = kMarkShare * static_cast<float>(session.camera().distance);
-  render::addCross(marks, place, size, kPullColour, kPullWidth);
+  if (session.hand().holds()) addPull(marks, session, session.hand().held());
   return marks;
 }
 
 /// The same for btSoftBody's view.
 render::Overlay twinMarksOf(const Session& session) {
   render::Overlay marks;
-  const float size = kMarkShare * static_cast<float>(session.camera().distance);
+  const float size = markSize(session);
   const bullet_soft::BulletTwin& twin = *session.bulletTwin();
   for (std::size_t b = 0; b < twin.bodyCount(); ++b)
     for (std::uint32_t i = 0; i < twin.pointCount(b); ++i)
       if (twin.isPinned(b, i)) render::addCross(marks, toVec3(twin.position(b, i)), size, kPinColour);
   const Hand& hand = session.hand();
   if (!hand.soft()) return marks;
-  const render::Vec3 place = toVec3(hand.place());
   const std::size_t body = indexOf(session.scene(), hand.soft());
   // btSoftBody has no points that a cut has made
-  if (body >= twin.bodyCount() || hand.point() >= twin.pointCount(body)) return marks;
-  marks.push_back({toVec3(twin.position(body, hand.point())), place, kPullColour, kPullWidth});
-  render::addCross(marks, place, size, kPullColour, kPullWidth);
+  if (body < twin.bodyCount() && hand.point() < twin.pointCount(body))
+    addPull(marks, session, twin.position(body, hand.point()));
   return marks;
 }
 

@@ -26,6 +26,3 @@ vec3 onFilm(vec3 light) {
   vec3 x = 0.68 * light;
   return clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
 }
-
-// Jimenez 2014, slide 123 of "Next generation post processing in Call of Duty".
-float pixelNoise(vec2 pixel) { return fract(52.9829189 * fract(dot(floor(pixel), vec2(0.06711056, 0.00583715)))); }

@@ -148,6 +148,12 @@ void addGalleryUniforms(FrameUniforms& uniforms, const Camera& camera, const Lig
   uniforms.stage = vec4(light.shadowCentre, light.shadowRadius);
 }
 
+void require(bool holds, const char* message) {
+  if (!holds) {
+    throw std::runtime_error(message);
+  }
+}
+
 }  // namespace
 
 void requireFinite(const char* field, float value) {
@@ -161,16 +167,6 @@ void requireFinite(const char* field, Vec3 value) {
     requireFinite(field, component);
   }
 }
-
-namespace {
-
-void require(bool holds, const char* message) {
-  if (!holds) {
-    throw std::runtime_error(message);
-  }
-}
-
-}  // namespace
 
 void requireUsable(const Camera& camera, const Light& light, const DrawOptions& options) {
   requireFinite("camera.eye", camera.eye);

@@ -73,24 +73,24 @@ void tubeFrames(const float* points, std::size_t count, float* sides) {
 
 }  // namespace
 
-void computeMeshNormals(const CpuTriangles& mesh, const SmoothInstances& instances, std::vector<Vec3>& sums,
+void computeMeshNormals(const CpuTriangles& mesh, const CpuInstances& instances, std::vector<Vec3>& sums,
                         RowThreads& threads) {
   constexpr std::size_t kOperationsPerCorner = 10;
   sums.resize(std::size_t{threads.threads()} * mesh.normalCount);
   const auto compute = [&](RowRange range, unsigned part) {
     Vec3* own = sums.data() + std::size_t{part} * mesh.normalCount;
     for (std::size_t i = range.begin; i < range.end; ++i) {
-      sumCrossProducts(mesh, instances.points + 3 * i * mesh.pointCount, own);
-      writeUnit(own, mesh.normalCount, instances.normals + 3 * i * mesh.normalCount);
+      sumCrossProducts(mesh, instances.in + 3 * i * mesh.pointCount, own);
+      writeUnit(own, mesh.normalCount, instances.out + 3 * i * mesh.normalCount);
     }
   };
   threads.run(instances.count, kOperationsPerCorner * mesh.corners.size(), compute);
 }
 
-void computeTubeFrames(std::uint32_t pointCount, const SmoothInstances& instances) {
+void computeTubeFrames(std::uint32_t pointCount, const CpuInstances& instances) {
   for (std::size_t i = 0; i < instances.count; ++i) {
     const std::size_t first = 3 * i * pointCount;
-    tubeFrames(instances.points + first, pointCount, instances.normals + first);
+    tubeFrames(instances.in + first, pointCount, instances.out + first);
   }
 }
 
@@ -183,14 +183,14 @@ CpuSkin makeCpuSkin(const Skin& skin, std::uint32_t pointCount) {
   return made;
 }
 
-void applySkin(const CpuSkin& skin, const SkinnedInstances& instances, std::vector<Lanes>& lanes,
+void applySkin(const CpuSkin& skin, const CpuInstances& instances, std::vector<Lanes>& lanes,
                RowThreads& threads) {
-  padPoints(instances.points, instances.count * skin.pointCount, lanes);
+  padPoints(instances.in, instances.count * skin.pointCount, lanes);
   const auto computeBlocks = [&](RowRange blocks, unsigned) {
     for (std::size_t block = blocks.begin; block < blocks.end; ++block) {
       for (std::size_t i = 0; i < instances.count; ++i) {
         const Lanes* points = lanes.data() + i * skin.pointCount;
-        float* places = instances.places + 3 * (i * skin.placeCount + block * kRows);
+        float* places = instances.out + 3 * (i * skin.placeCount + block * kRows);
         if (skin.dense.empty()) {
           sparseBlock(skin.sparse, block, points, places);
         } else {

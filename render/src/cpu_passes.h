@@ -23,20 +23,20 @@ struct CpuTriangles {
   std::vector<std::uint32_t> normalsOf;  ///< 3 normals for each triangle; empty: those of the points.
 };
 
-/// Meshes or tubes of one shape; their points and normals are contiguous.
-struct SmoothInstances {
+/// Instances of one shape; what belongs to them is contiguous.
+struct CpuInstances {
   std::size_t count = 0;
-  const float* points = nullptr;  ///< count x #points x 3; with a skin the places.
-  float* normals = nullptr;       ///< count x #normals x 3 (of tubes #points); written, never read.
+  const float* in = nullptr;  ///< count x #points x 3; for normals with a skin count x #places x 3.
+  float* out = nullptr;       ///< count x #results x 3; written, never read.
 };
 
 /// Computes the normals that mesh_normals.comp computes. `sums` is scratch memory. A thread has whole
 /// instances.
-void computeMeshNormals(const CpuTriangles& mesh, const SmoothInstances& instances, std::vector<Vec3>& sums,
+void computeMeshNormals(const CpuTriangles& mesh, const CpuInstances& instances, std::vector<Vec3>& sums,
                         RowThreads& threads);
 
-/// Computes the side vectors that tube_frames.comp computes.
-void computeTubeFrames(std::uint32_t pointCount, const SmoothInstances& instances);
+/// Computes the side vectors that tube_frames.comp computes, one for each point.
+void computeTubeFrames(std::uint32_t pointCount, const CpuInstances& instances);
 
 // --- skins -------------------------------------------------------------------------------------------------
 
@@ -60,16 +60,9 @@ struct CpuSkin {
 
 CpuSkin makeCpuSkin(const Skin& skin, std::uint32_t pointCount);
 
-/// Instances of one shape; their points and places are contiguous.
-struct SkinnedInstances {
-  std::size_t count = 0;
-  const float* points = nullptr;  ///< count x #points x 3.
-  float* places = nullptr;        ///< count x #places x 3; written, never read.
-};
-
 /// Computes the places of all instances in one pass over the weights, so that a large matrix is read from
 /// memory once and not once for each instance. `lanes` is scratch memory.
-void applySkin(const CpuSkin& skin, const SkinnedInstances& instances, std::vector<Lanes>& lanes,
+void applySkin(const CpuSkin& skin, const CpuInstances& instances, std::vector<Lanes>& lanes,
                RowThreads& threads);
 
 }  // namespace limber::render

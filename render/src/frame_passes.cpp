@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "frame_passes.h"
 
+#include "gl_state.h"
+
 #include <algorithm>
 
 namespace limber::render {
@@ -71,13 +73,7 @@ void dispatch(const PassContext& pass, const ShaderProgram& program, std::uint32
   ++pass.stats.dispatches;
 }
 
-void setCulling(const Gl& gl, bool on) {
-  if (on) {
-    gl.Enable(GL_CULL_FACE);
-  } else {
-    gl.Disable(GL_CULL_FACE);
-  }
-}
+void setCulling(const Gl& gl, bool on) { setCap(gl, GL_CULL_FACE, on); }
 
 }  // namespace
 

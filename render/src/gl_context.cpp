@@ -19,54 +19,40 @@
 
 namespace limber::render {
 
-/// Each returns a new context, or throws std::runtime_error with the reason.
-std::unique_ptr<GlContext> createOsmesaContext();
-std::unique_ptr<GlContext> createEglContext(const ContextDesc& desc);
-/// Uses only devices that are not software rasterisers.
-std::unique_ptr<GlContext> createEglGpuContext(const ContextDesc& desc);
+namespace {
 
 /// A library opened at run time. It is never closed: the drivers register exit handlers and threads that
 /// would fail after unloading.
 class SharedLibrary {
  public:
   /// Opens the first of `names` that can be opened. Throws std::runtime_error with all reasons.
-  explicit SharedLibrary(const std::vector<std::string>& names);
+  explicit SharedLibrary(const std::vector<std::string>& names) {
+    std::string reasons;
+    for (const std::string& name : names) {
+      handle_ = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
+      if (handle_ != nullptr) {
+        name_ = name;
+        return;
+      }
+      reasons += (reasons.empty() ? "" : "; ") + std::string(dlerror());
+    }
+    throw std::runtime_error(reasons);
+  }
 
   /// Throws std::runtime_error if there is no such symbol.
   template <typename Function>
   Function function(const char* symbol) const {
-    return reinterpret_cast<Function>(address(symbol));
+    void* found = dlsym(handle_, symbol);
+    if (found == nullptr) {
+      throw std::runtime_error(name_ + " has no function " + symbol);
+    }
+    return reinterpret_cast<Function>(found);
   }
 
  private:
-  void* address(const char* symbol) const;
-
   void* handle_ = nullptr;
   std::string name_;
 };
-
-SharedLibrary::SharedLibrary(const std::vector<std::string>& names) {
-  std::string reasons;
-  for (const std::string& name : names) {
-    handle_ = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (handle_ != nullptr) {
-      name_ = name;
-      return;
-    }
-    reasons += (reasons.empty() ? "" : "; ") + std::string(dlerror());
-  }
-  throw std::runtime_error(reasons);
-}
-
-void* SharedLibrary::address(const char* symbol) const {
-  void* found = dlsym(handle_, symbol);
-  if (found == nullptr) {
-    throw std::runtime_error(name_ + " has no function " + symbol);
-  }
-  return found;
-}
-
-namespace {
 
 // OSMesa's header needs its development package, so the needed part of its stable ABI is declared here.
 using OsmesaContext = void*;
@@ -121,12 +107,6 @@ class OsmesaGlContext final : public GlContext {
   // OSMesa requires a default framebuffer; nothing is drawn into it.
   std::array<unsigned char, 4 * kSurfaceSize * kSurfaceSize> surface_{};
 };
-
-}  // namespace
-
-std::unique_ptr<GlContext> createOsmesaContext() { return std::make_unique<OsmesaGlContext>(); }
-
-namespace {
 
 // X(member, EGL name, function type)
 #define LIMBER_EGL_FUNCTIONS(X)                                      \
@@ -274,7 +254,7 @@ void requireHardware(const GlContext& context, bool wanted) {
   }
 }
 
-std::unique_ptr<GlContext> createOn(const ContextDesc& desc, bool onlyHardware) {
+std::unique_ptr<GlContext> createEgl(const ContextDesc& desc, bool onlyHardware) {
   const Egl egl;
   std::string reasons;
   for (const Platform& platform : listPlatforms(egl, desc)) {
@@ -292,13 +272,6 @@ std::unique_ptr<GlContext> createOn(const ContextDesc& desc, bool onlyHardware) 
   }
   throw std::runtime_error(reasons.empty() ? "no such EGL device" : reasons);
 }
-
-}  // namespace
-
-std::unique_ptr<GlContext> createEglContext(const ContextDesc& desc) { return createOn(desc, false); }
-std::unique_ptr<GlContext> createEglGpuContext(const ContextDesc& desc) { return createOn(desc, true); }
-
-namespace {
 
 class AdoptedGlContext final : public GlContext {
  public:
@@ -335,9 +308,11 @@ struct Attempt {
 // Hardware comes first. Without it OSMesa comes before EGL: both draw with the same rasteriser, and EGL needs
 // more libraries.
 std::vector<Attempt> attemptsFor(Backend backend) {
-  const Attempt gpu{"EGL on a GPU", createEglGpuContext};
-  const Attempt osmesa{"OSMesa", [](const ContextDesc&) { return createOsmesaContext(); }};
-  const Attempt egl{"EGL", createEglContext};
+  const Attempt gpu{"EGL on a GPU", [](const ContextDesc& desc) { return createEgl(desc, true); }};
+  const Attempt osmesa{"OSMesa", [](const ContextDesc&) -> std::unique_ptr<GlContext> {
+                         return std::make_unique<OsmesaGlContext>();
+                       }};
+  const Attempt egl{"EGL", [](const ContextDesc& desc) { return createEgl(desc, false); }};
   switch (backend) {
     case Backend::OSMesa:
       return {osmesa};

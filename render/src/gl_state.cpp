@@ -91,7 +91,6 @@ enum Value : std::size_t {
   kStorageBuffer = 32
 };
 
-void setCap(const Gl& gl, GLenum cap, bool on) { on ? gl.Enable(cap) : gl.Disable(cap); }
 void setFirst(const Gl& gl, GLenum cap, GLboolean on) {
   on != GL_FALSE ? gl.Enablei(cap, 0) : gl.Disablei(cap, 0);
 }

@@ -48,6 +48,8 @@ void writeState(const Gl& gl, const GlState& state);
 /// Sets the state that the renderer's passes rely on.
 void setRendererState(const Gl& gl);
 
+inline void setCap(const Gl& gl, GLenum cap, bool on) { on ? gl.Enable(cap) : gl.Disable(cap); }
+
 /// In a shared context: sets the renderer's state in the constructor, restores the caller's in the
 /// destructor.
 class GlStateGuard {

@@ -26,13 +26,13 @@ SurfaceMesh makeSurface(const ShapeDesc& desc) {
   mesh.indices = desc.triangles;
   const std::size_t count = desc.vertexToPoint.empty() ? skinnedPointCount(desc) : desc.vertexToPoint.size();
   mesh.vertices.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::uint32_t i = 0; i < count; ++i) {
     SurfaceVertex& vertex = mesh.vertices[i];
-    vertex.point = desc.vertexToPoint.empty() ? static_cast<std::uint32_t>(i) : desc.vertexToPoint[i];
-    vertex.normal = normalOf(desc, static_cast<std::uint32_t>(i));
+    vertex.point = pointOf(desc, i);
+    vertex.normal = normalOf(desc, i);
     if (!desc.uvs.empty()) {
-      vertex.u = desc.uvs[2 * i];
-      vertex.v = desc.uvs[2 * i + 1];
+      vertex.u = desc.uvs[std::size_t{2} * i];
+      vertex.v = desc.uvs[std::size_t{2} * i + 1];
     }
   }
   return mesh;
@@ -79,13 +79,9 @@ GlVertexArray makeLayout(const Gl& gl, const GpuShape& shape) {
 
 /// Returns the triangles with points (with a skin: places) instead of vertices.
 std::vector<std::uint32_t> weldedTriangles(const ShapeDesc& desc) {
-  if (desc.vertexToPoint.empty()) {
-    return desc.triangles;
-  }
-  std::vector<std::uint32_t> points;
-  points.reserve(desc.triangles.size());
-  for (const std::uint32_t vertex : desc.triangles) {
-    points.push_back(desc.vertexToPoint[vertex]);
+  std::vector<std::uint32_t> points = desc.triangles;
+  for (std::uint32_t& corner : points) {
+    corner = pointOf(desc, corner);
   }
   return points;
 }

@@ -38,6 +38,26 @@ void requireComplete(const Gl& gl, const GlFramebuffer& framebuffer) {
   }
 }
 
+GlFramebuffer targetOf(const Gl& gl, GLenum attachment, const GlTexture& texture) {
+  GlFramebuffer target = makeFramebuffer(gl);
+  gl.NamedFramebufferTexture(target.name(), attachment, texture.name(), 0);
+  if (attachment == GL_DEPTH_ATTACHMENT) {
+    gl.NamedFramebufferDrawBuffer(target.name(), GL_NONE);
+    gl.NamedFramebufferReadBuffer(target.name(), GL_NONE);
+  }
+  requireComplete(gl, target);
+  return target;
+}
+
+// Binds the target of the next draws and clears its depth.
+void beginDepthOf(const Gl& gl, const GlFramebuffer& target, int width, int height) {
+  const GLfloat farthest = 1.0f;
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, target.name());
+  gl.ViewportIndexedf(0, 0.0f, 0.0f, static_cast<GLfloat>(width), static_cast<GLfloat>(height));
+  gl.DepthMask(GL_TRUE);
+  gl.ClearNamedFramebufferfv(target.name(), GL_DEPTH, 0, &farthest);
+}
+
 }  // namespace
 
 RenderTarget::RenderTarget(const Gl& gl, int width, int height, int samples)
@@ -45,15 +65,12 @@ RenderTarget::RenderTarget(const Gl& gl, int width, int height, int samples)
   requireSize(gl, width, height, samples);
   colour_ = makeAttachment(kColourFormat, samples, 4);
   depth_ = makeAttachment(kDepthFormat, samples, 4);
-  drawn_ = makeFramebuffer(gl);
-  gl.NamedFramebufferTexture(drawn_.name(), GL_COLOR_ATTACHMENT0, colour_.name(), 0);
+  drawn_ = targetOf(gl, GL_COLOR_ATTACHMENT0, colour_);
   gl.NamedFramebufferTexture(drawn_.name(), GL_DEPTH_ATTACHMENT, depth_.name(), 0);
   requireComplete(gl, drawn_);
   if (samples > 1) {
     resolved_ = makeAttachment(kColourFormat, 1, 4);
-    readable_ = makeFramebuffer(gl);
-    gl.NamedFramebufferTexture(readable_.name(), GL_COLOR_ATTACHMENT0, resolved_.name(), 0);
-    requireComplete(gl, readable_);
+    readable_ = targetOf(gl, GL_COLOR_ATTACHMENT0, resolved_);
   }
 }
 
@@ -73,13 +90,7 @@ GlTexture RenderTarget::makeAttachment(GLenum format, int samples, std::size_t b
 
 std::size_t RenderTarget::bytes() const { return colour_.bytes() + depth_.bytes() + resolved_.bytes(); }
 
-void RenderTarget::begin() const {
-  const GLfloat farthest = 1.0f;
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, drawn_.name());
-  gl_.ViewportIndexedf(0, 0.0f, 0.0f, static_cast<GLfloat>(width_), static_cast<GLfloat>(height_));
-  gl_.DepthMask(GL_TRUE);
-  gl_.ClearNamedFramebufferfv(drawn_.name(), GL_DEPTH, 0, &farthest);
-}
+void RenderTarget::begin() const { beginDepthOf(gl_, drawn_, width_, height_); }
 
 void RenderTarget::resolve() const {
   if (samples_ > 1) {
@@ -115,14 +126,22 @@ void RenderTarget::blitTo(GLuint framebuffer, int x, int y, int width, int heigh
 
 namespace {
 
-GlTexture makeDepth(const Gl& gl, int size, bool comparing) {
+GlTexture makePlane(const Gl& gl, GLenum format, int width, int height, std::size_t bytesPerPixel,
+                    GLint filter = GL_NEAREST) {
   GLuint name = 0;
   gl.CreateTextures(GL_TEXTURE_2D, 1, &name);
-  GlTexture depth(gl, name, 4 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  GlTexture plane(gl, name,
+                  bytesPerPixel * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  gl.TextureStorage2D(name, 1, format, width, height);
+  gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, filter);
+  gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, filter);
+  return plane;
+}
+
+GlTexture makeDepth(const Gl& gl, int size, bool comparing) {
   // Fixed point, because OpenGL then clamps the compared depth: everything beyond the far end is lit.
-  gl.TextureStorage2D(name, 1, GL_DEPTH_COMPONENT24, size, size);
-  gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, comparing ? GL_LINEAR : GL_NEAREST);
-  gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, comparing ? GL_LINEAR : GL_NEAREST);
+  GlTexture depth = makePlane(gl, GL_DEPTH_COMPONENT24, size, size, 4, comparing ? GL_LINEAR : GL_NEAREST);
+  const GLuint name = depth.name();
   gl.TextureParameteri(name, GL_TEXTURE_COMPARE_MODE, comparing ? GL_COMPARE_REF_TO_TEXTURE : GL_NONE);
   gl.TextureParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
   // Everything beside the map is lit, too.
@@ -136,48 +155,12 @@ GlTexture makeDepth(const Gl& gl, int size, bool comparing) {
 }  // namespace
 
 ShadowMap::ShadowMap(const Gl& gl, int size, bool comparing)
-    : gl_(gl), size_(size), depth_(makeDepth(gl, size, comparing)), framebuffer_(makeFramebuffer(gl)) {
-  gl.NamedFramebufferTexture(framebuffer_.name(), GL_DEPTH_ATTACHMENT, depth_.name(), 0);
-  gl.NamedFramebufferDrawBuffer(framebuffer_.name(), GL_NONE);
-  gl.NamedFramebufferReadBuffer(framebuffer_.name(), GL_NONE);
-  if (gl.CheckNamedFramebufferStatus(framebuffer_.name(), GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw std::runtime_error("the driver refused the shadow map");
-  }
-}
+    : gl_(gl),
+      size_(size),
+      depth_(makeDepth(gl, size, comparing)),
+      framebuffer_(targetOf(gl, GL_DEPTH_ATTACHMENT, depth_)) {}
 
-void ShadowMap::begin() const {
-  const GLfloat farthest = 1.0f;
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
-  gl_.ViewportIndexedf(0, 0.0f, 0.0f, static_cast<GLfloat>(size_), static_cast<GLfloat>(size_));
-  gl_.DepthMask(GL_TRUE);
-  gl_.ClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &farthest);
-}
-
-namespace {
-
-GlTexture makePlane(const Gl& gl, GLenum format, int width, int height, std::size_t bytesPerPixel) {
-  GLuint name = 0;
-  gl.CreateTextures(GL_TEXTURE_2D, 1, &name);
-  GlTexture plane(gl, name,
-                  bytesPerPixel * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  gl.TextureStorage2D(name, 1, format, width, height);
-  gl.TextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl.TextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  return plane;
-}
-
-GlFramebuffer targetOf(const Gl& gl, GLenum attachment, const GlTexture& texture) {
-  GlFramebuffer target = makeFramebuffer(gl);
-  gl.NamedFramebufferTexture(target.name(), attachment, texture.name(), 0);
-  if (attachment == GL_DEPTH_ATTACHMENT) {
-    gl.NamedFramebufferDrawBuffer(target.name(), GL_NONE);
-    gl.NamedFramebufferReadBuffer(target.name(), GL_NONE);
-  }
-  requireComplete(gl, target);
-  return target;
-}
-
-}  // namespace
+void ShadowMap::begin() const { beginDepthOf(gl_, framebuffer_, size_, size_); }
 
 OpennessMap::OpennessMap(const Gl& gl, int width, int height)
     : gl_(gl),
@@ -190,13 +173,7 @@ OpennessMap::OpennessMap(const Gl& gl, int width, int height)
       rawTarget_(targetOf(gl, GL_COLOR_ATTACHMENT0, raw_)),
       smoothTarget_(targetOf(gl, GL_COLOR_ATTACHMENT0, smooth_)) {}
 
-void OpennessMap::beginDepth() const {
-  const GLfloat farthest = 1.0f;
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, depthTarget_.name());
-  gl_.ViewportIndexedf(0, 0.0f, 0.0f, static_cast<GLfloat>(width_), static_cast<GLfloat>(height_));
-  gl_.DepthMask(GL_TRUE);
-  gl_.ClearNamedFramebufferfv(depthTarget_.name(), GL_DEPTH, 0, &farthest);
-}
+void OpennessMap::beginDepth() const { beginDepthOf(gl_, depthTarget_, width_, height_); }
 
 void OpennessMap::beginRaw() const {
   gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, rawTarget_.name());

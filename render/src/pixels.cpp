@@ -12,11 +12,6 @@
 #include <string>
 
 namespace limber::render {
-
-/// Fills an area of `target` with the whole `source`, opaque. Each pixel is the mean of the source pixels
-/// that it covers, in linear light, or the nearest one if it covers none.
-void drawScaled(const Image& source, Image& target, const PixelArea& area);
-
 namespace {
 
 constexpr std::size_t kLinearWhite = 65535;  // Fine enough: the two darkest levels of sRGB differ by 20.
@@ -72,8 +67,8 @@ Range sourceRange(int i, int count, int sourceCount) {
   return {first, std::max(last - first, 1)};
 }
 
-}  // namespace
-
+/// Fills an area of `target` with the whole `source`, opaque. Each pixel is the mean of the source pixels
+/// that it covers, in linear light, or the nearest one if it covers none.
 void drawScaled(const Image& source, Image& target, const PixelArea& area) {
   const LightTables& tables = lightTables();
   for (int y = 0; y < area.height; ++y) {
@@ -86,6 +81,11 @@ void drawScaled(const Image& source, Image& target, const PixelArea& area) {
   }
 }
 
+constexpr int kGap = 4;
+constexpr std::uint8_t kGapGrey = 255;
+
+}  // namespace
+
 Image scaledDown(const Image& image, int width) {
   if (image.width < 1 || image.height < 1 || width < 1) {
     throw std::runtime_error("only an image that is not empty can be scaled down, to one pixel at least");
@@ -95,13 +95,6 @@ Image scaledDown(const Image& image, int width) {
   drawScaled(image, out, {0, 0, out.width, out.height});
   return out;
 }
-
-namespace {
-
-constexpr int kGap = 4;
-constexpr std::uint8_t kGapGrey = 255;
-
-}  // namespace
 
 Image contactSheet(const std::vector<Image>& images, int columns, int tileWidth) {
   if (images.empty() || columns < 1 || tileWidth < 1) {

@@ -27,37 +27,17 @@
 #include <vector>
 
 namespace limber::render {
+namespace {
 
-/// A file that is complete or absent: it is written under a temporary name next to `path` and renamed by
-/// commit(), or removed without it. Throws std::runtime_error with the path and the reason; after an error,
-/// only the destructor may be called.
-class AtomicFile {
- public:
-  explicit AtomicFile(std::string path);
-  ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
+using Bytes = std::vector<std::uint8_t>;
 
-  /// Appends bytes.
-  void write(const std::vector<std::uint8_t>& bytes);
-  /// Returns the number of bytes written so far.
-  long size() const;
-  /// Overwrites bytes from an offset on; nothing can be appended after that.
-  void overwrite(long offset, const std::vector<std::uint8_t>& bytes);
-  /// Ends the file and renames it to `path`.
-  void commit();
+[[noreturn]] void failWrite(const std::string& path, const std::string& reason) {
+  throw std::runtime_error("cannot write " + path + ": " + reason);
+}
 
- private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  [[noreturn]] void fail(int error) const;
-
-  std::string path_;
-  std::string temporary_;
-  std::unique_ptr<std::FILE, CloseFile> file_;
-  bool named_ = false;
-};
+[[noreturn]] void failRead(const std::string& path, const char* reason) {
+  throw std::runtime_error("cannot read " + path + ": " + reason);
+}
 
 constexpr int kMaxLinks = 40;  // as Linux
 
@@ -69,59 +49,72 @@ std::string fileAt(const std::string& path) {
   fs::path target = path;
   for (int links = 0; fs::is_symlink(target, error); ++links) {
     if (links == kMaxLinks) {
-      throw std::runtime_error("cannot write " + path + ": too many levels of symbolic links");
+      failWrite(path, "too many levels of symbolic links");
     }
     target = target.parent_path() / fs::read_symlink(target, error);
   }
   if (fs::exists(target, error) && !fs::is_regular_file(target, error)) {
-    throw std::runtime_error("cannot write " + path + ": it is no regular file");
+    failWrite(path, "it is no regular file");
   }
   return target.string();
 }
 
-AtomicFile::AtomicFile(std::string path)
-    : path_(fileAt(path)),
-      temporary_(path_ + ".part" + std::to_string(std::random_device{}())),
-      file_(std::fopen(temporary_.c_str(), "wb")) {
-  if (file_ == nullptr) {
-    fail(errno);
+}  // namespace
+
+/// A file that is complete or absent: it is written under a temporary name next to `path` and renamed by
+/// commit(), or removed without it. Throws std::runtime_error with the path and the reason; after an error,
+/// only the destructor may be called.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::string& path)
+      : path_(fileAt(path)),
+        temporary_(path_ + ".part" + std::to_string(std::random_device{}())),
+        file_(std::fopen(temporary_.c_str(), "wb")) {
+    require(file_ != nullptr);
   }
-}
-
-AtomicFile::~AtomicFile() {
-  if (!named_) {
-    file_.reset();
-    std::remove(temporary_.c_str());
+  ~AtomicFile() {
+    if (!named_) {
+      file_.reset();
+      std::remove(temporary_.c_str());
+    }
   }
-}
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
-void AtomicFile::write(const std::vector<std::uint8_t>& bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) {
-    fail(errno);
+  /// Appends bytes.
+  void write(const Bytes& bytes) {
+    require(std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size());
   }
-}
-
-long AtomicFile::size() const { return std::ftell(file_.get()); }
-
-void AtomicFile::overwrite(long offset, const std::vector<std::uint8_t>& bytes) {
-  // Seeking writes the buffered bytes, and that can fail, too.
-  if (std::fseek(file_.get(), offset, SEEK_SET) != 0) {
-    fail(errno);
+  /// Returns the number of bytes written so far.
+  long size() const { return std::ftell(file_.get()); }
+  /// Overwrites bytes from an offset on; nothing can be appended after that.
+  void overwrite(long offset, const Bytes& bytes) {
+    // Seeking writes the buffered bytes, and that can fail, too.
+    require(std::fseek(file_.get(), offset, SEEK_SET) == 0);
+    write(bytes);
   }
-  write(bytes);
-}
-
-void AtomicFile::commit() {
-  // Closing also writes the buffered bytes.
-  if (std::fclose(file_.release()) != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) {
-    fail(errno);
+  /// Ends the file and renames it to `path`.
+  void commit() {
+    // Closing also writes the buffered bytes.
+    require(std::fclose(file_.release()) == 0 && std::rename(temporary_.c_str(), path_.c_str()) == 0);
+    named_ = true;
   }
-  named_ = true;
-}
 
-void AtomicFile::fail(int error) const {
-  throw std::runtime_error("cannot write " + path_ + ": " + std::strerror(error));
-}
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  void require(bool ok) const {
+    if (!ok) {
+      failWrite(path_, std::strerror(errno));
+    }
+  }
+
+  std::string path_;
+  std::string temporary_;
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  bool named_ = false;
+};
 
 namespace {
 
@@ -130,9 +123,8 @@ enum class PngSize { Fast, Small };
 
 // Returns the bytes of a PNG file with the pixels of an image, 4 or (PNG_FORMAT_RGB) 3 bytes each, in sRGB.
 // Throws std::runtime_error with `path` and libpng's reason.
-std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image,
-                                    const std::vector<std::uint8_t>& pixels, std::uint32_t format,
-                                    PngSize size) {
+Bytes encodePng(const std::string& path, const Image& image, const Bytes& pixels, std::uint32_t format,
+                PngSize size) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
@@ -140,9 +132,9 @@ std::vector<std::uint8_t> encodePng(const std::string& path, const Image& image,
   header.format = format;
   header.flags = size == PngSize::Fast ? PNG_IMAGE_FLAG_FAST : 0;
   png_alloc_size_t count = PNG_IMAGE_PNG_SIZE_MAX(header);
-  std::vector<std::uint8_t> bytes(count);
+  Bytes bytes(count);
   if (png_image_write_to_memory(&header, bytes.data(), &count, 0, pixels.data(), 0, nullptr) == 0) {
-    throw std::runtime_error("cannot write " + path + ": " + header.message);
+    failWrite(path, header.message);
   }
   bytes.resize(count);
   return bytes;
@@ -157,23 +149,19 @@ bool isOpaque(const Image& image) {
   return true;
 }
 
-std::vector<std::uint8_t> rgbOf(const Image& image) {
-  std::vector<std::uint8_t> rgb(image.rgba.size() / 4 * 3);
+Bytes rgbOf(const Image& image) {
+  Bytes rgb(image.rgba.size() / 4 * 3);
   for (std::size_t from = 0, to = 0; to < rgb.size(); from += 4, to += 3) {
     std::copy_n(&image.rgba[from], 3, &rgb[to]);
   }
   return rgb;
 }
 
-[[noreturn]] void failRead(const std::string& path, const char* reason) {
-  throw std::runtime_error("cannot read " + path + ": " + reason);
-}
-
 }  // namespace
 
 void writePng(const std::string& path, const Image& image) {
   if (image.width < 1 || image.height < 1) {
-    throw std::runtime_error("cannot write " + path + ": the image is empty");
+    failWrite(path, "the image is empty");
   }
   AtomicFile file(path);
   file.write(isOpaque(image) ? encodePng(path, image, rgbOf(image), PNG_FORMAT_RGB, PngSize::Fast)
@@ -196,36 +184,10 @@ Image readPng(const std::string& path) {
   return image;
 }
 
-// The chunks of an animated PNG (PNG Specification, Third Edition, 5.3 and 11.3.4), each whole: length,
-// type, data and CRC.
-
-/// The signature and all chunks of a PNG file before its pixels, and its pixels as one zlib stream.
-struct PngParts {
-  std::vector<std::uint8_t> head;
-  std::vector<std::uint8_t> pixels;
-};
-PngParts splitPng(const std::vector<std::uint8_t>& png);
-
-/// Returns acTL: the number of frames, in an endless loop.
-std::vector<std::uint8_t> animationControl(std::uint32_t frames);
-
-/// Returns fcTL: the next frame is drawn over an area of the frame before, stays, and is shown for numerator
-/// / denominator s.
-std::vector<std::uint8_t> frameControl(std::uint32_t sequence, const PixelArea& area,
-                                       std::uint16_t delayNumerator, std::uint16_t delayDenominator);
-
-/// Returns IDAT, the first frame's pixels.
-std::vector<std::uint8_t> firstFrame(const std::vector<std::uint8_t>& pixels);
-
-/// Returns fdAT, a later frame's pixels.
-std::vector<std::uint8_t> laterFrame(std::uint32_t sequence, const std::vector<std::uint8_t>& pixels);
-
-/// Returns IEND.
-std::vector<std::uint8_t> imageEnd();
-
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+// The chunks of an animated PNG (PNG Specification, Third Edition, 5.3 and 11.3.4), each whole: length,
+// type, data and CRC.
 
 constexpr std::size_t kSignatureBytes = 8;
 constexpr std::size_t kTypeBytes = 4;
@@ -261,9 +223,13 @@ Bytes chunk(const char* type, const Bytes& data) {
   return bytes;
 }
 
-}  // namespace
+/// The signature and all chunks of a PNG file before its pixels, and its pixels as one zlib stream.
+struct PngParts {
+  Bytes head;
+  Bytes pixels;
+};
 
-PngParts splitPng(const std::vector<std::uint8_t>& png) {
+PngParts splitPng(const Bytes& png) {
   PngParts parts;
   parts.head.assign(png.begin(), png.begin() + kSignatureBytes);
   std::size_t size = 0;
@@ -279,15 +245,18 @@ PngParts splitPng(const std::vector<std::uint8_t>& png) {
   return parts;
 }
 
-std::vector<std::uint8_t> animationControl(std::uint32_t frames) {
+/// Returns acTL: the number of frames, in an endless loop.
+Bytes animationControl(std::uint32_t frames) {
   Bytes data;
   put32(data, frames);
   put32(data, kForEver);
   return chunk("acTL", data);
 }
 
-std::vector<std::uint8_t> frameControl(std::uint32_t sequence, const PixelArea& area,
-                                       std::uint16_t delayNumerator, std::uint16_t delayDenominator) {
+/// Returns fcTL: the next frame is drawn over an area of the frame before, stays, and is shown for numerator
+/// / denominator s.
+Bytes frameControl(std::uint32_t sequence, const PixelArea& area, std::uint16_t delayNumerator,
+                   std::uint16_t delayDenominator) {
   Bytes data;
   put32(data, sequence);
   for (const int value : {area.width, area.height, area.x, area.y}) {
@@ -300,21 +269,14 @@ std::vector<std::uint8_t> frameControl(std::uint32_t sequence, const PixelArea& 
   return chunk("fcTL", data);
 }
 
-std::vector<std::uint8_t> firstFrame(const std::vector<std::uint8_t>& pixels) {
-  return chunk("IDAT", pixels);
-}
-
-std::vector<std::uint8_t> laterFrame(std::uint32_t sequence, const std::vector<std::uint8_t>& pixels) {
+/// Returns fdAT, a later frame's pixels.
+Bytes laterFrame(std::uint32_t sequence, const Bytes& pixels) {
   Bytes data;
   data.reserve(4 + pixels.size());
   put32(data, sequence);
   data.insert(data.end(), pixels.begin(), pixels.end());
   return chunk("fdAT", data);
 }
-
-std::vector<std::uint8_t> imageEnd() { return chunk("IEND", {}); }
-
-namespace {
 
 bool differ(const Image& a, const Image& b, int x, int y) {
   return std::memcmp(a.pixel(x, y), b.pixel(x, y), 4) != 0;
@@ -367,7 +329,7 @@ ApngWriter::~ApngWriter() = default;
 void ApngWriter::add(const Image& image) {
   const bool first = frames_ == 0;
   if (!first && (image.width != previous_.width || image.height != previous_.height)) {
-    throw std::runtime_error("cannot write " + desc_.path + ": its pictures differ in size");
+    failWrite(desc_.path, "its pictures differ in size");
   }
   Image frame = opaque(image);
   const PixelArea area = first ? PixelArea{0, 0, frame.width, frame.height} : changedArea(previous_, frame);
@@ -377,13 +339,13 @@ void ApngWriter::add(const Image& image) {
     writeHead(png.head);
   }
   file_->write(frameControl(sequence_++, area, desc_.delayNumerator, desc_.delayDenominator));
-  file_->write(first ? firstFrame(png.pixels) : laterFrame(sequence_++, png.pixels));
+  file_->write(first ? chunk("IDAT", png.pixels) : laterFrame(sequence_++, png.pixels));
   previous_ = std::move(frame);
   ++frames_;
 }
 
 // The number of frames is not known yet: finish() overwrites it.
-void ApngWriter::writeHead(const std::vector<std::uint8_t>& head) {
+void ApngWriter::writeHead(const Bytes& head) {
   file_->write(head);
   animationControlOffset_ = file_->size();
   file_->write(animationControl(0));
@@ -391,9 +353,9 @@ void ApngWriter::writeHead(const std::vector<std::uint8_t>& head) {
 
 void ApngWriter::finish() {
   if (frames_ == 0) {
-    throw std::runtime_error("cannot write " + desc_.path + ": it has no picture");
+    failWrite(desc_.path, "it has no picture");
   }
-  file_->write(imageEnd());
+  file_->write(chunk("IEND", {}));
   file_->overwrite(animationControlOffset_, animationControl(frames_));
   file_->commit();
 }

@@ -108,6 +108,22 @@ std::vector<ShaderText> surfaceVertexFiles() {
   return {"frame.glsl", "points.glsl", "tube.glsl", "surface.vert"};
 }
 
+// Builds a program whose one triangle covers the picture.
+ShaderProgram buildCovering(const Gl& gl, const std::vector<ShaderText>& fragmentFiles,
+                            const std::vector<std::string>& defines) {
+  return buildProgram(gl, {{GL_VERTEX_SHADER, {"backdrop.vert"}}, {GL_FRAGMENT_SHADER, fragmentFiles}},
+                      defines);
+}
+
+// Returns the program, built by `build` on first use.
+template <typename Build>
+const ShaderProgram& built(ShaderProgram& program, const Build& build) {
+  if (program.name() == 0) {
+    program = build();
+  }
+  return program;
+}
+
 }  // namespace
 
 std::vector<std::string> definesOf(const SurfaceVariant& variant, int shadowTaps) {
@@ -127,8 +143,7 @@ std::vector<std::string> definesOf(const SurfaceVariant& variant, int shadowTaps
 }
 
 const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
-  ShaderProgram& program = surfaces_[indexOf(variant)];
-  if (program.name() == 0) {
+  return built(surfaces_[indexOf(variant)], [&] {
     std::vector<std::string> defines = definesOf(variant, shadowTaps_);
     std::vector<ShaderText> files{"frame.glsl", "background.glsl", "shading_normal.glsl",
                                   "surface_colour.glsl"};
@@ -138,104 +153,78 @@ const ShaderProgram& ProgramSet::surface(const SurfaceVariant& variant) {
     } else {
       files.emplace_back("surface.frag");
     }
-    program =
-        buildProgram(gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, files}}, defines);
-  }
-  return program;
+    return buildProgram(gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, files}},
+                        defines);
+  });
 }
 
 const ShaderProgram& ProgramSet::depth(VertexSource source, bool fromEye) {
-  ShaderProgram& program = depths_[static_cast<std::size_t>(source) + (fromEye ? kVertexSources : 0)];
-  if (program.name() == 0) {
-    program = buildProgram(
+  return built(depths_[static_cast<std::size_t>(source) + (fromEye ? kVertexSources : 0)], [&] {
+    return buildProgram(
         gl_, {{GL_VERTEX_SHADER, surfaceVertexFiles()}, {GL_FRAGMENT_SHADER, {"depth.frag"}}},
         {"NORMALS_ACCESS readonly", "DEPTH_ONLY", nameOf(source), fromEye ? "FROM_EYE" : "FROM_LIGHT"});
-  }
-  return program;
+  });
 }
 
 const ShaderProgram& ProgramSet::normals(bool tube) {
-  ShaderProgram& program = normals_[tube ? 1 : 0];
-  if (program.name() == 0) {
+  return built(normals_[tube ? 1 : 0], [&] {
     const char* main = tube ? "tube_frames.comp" : "mesh_normals.comp";
-    program = buildProgram(gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "tube.glsl", main}}},
-                           {"NORMALS_ACCESS writeonly"});
-  }
-  return program;
+    return buildProgram(gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "tube.glsl", main}}},
+                        {"NORMALS_ACCESS writeonly"});
+  });
 }
 
 const ShaderProgram& ProgramSet::skin(bool dense) {
-  ShaderProgram& program = skins_[dense ? 1 : 0];
-  if (program.name() == 0) {
-    program = buildProgram(gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "skin.comp"}}},
-                           {dense ? "DENSE" : "SPARSE"});
-  }
-  return program;
+  return built(skins_[dense ? 1 : 0], [&] {
+    return buildProgram(gl_, {{GL_COMPUTE_SHADER, {"frame.glsl", "points.glsl", "skin.comp"}}},
+                        {dense ? "DENSE" : "SPARSE"});
+  });
 }
 
 const ShaderProgram& ProgramSet::lines() {
-  if (lines_.name() == 0) {
-    lines_ = buildProgram(gl_,
-                          {{GL_VERTEX_SHADER, {"frame.glsl", "points.glsl", "wide_line.glsl", "lines.vert"}},
-                           {GL_FRAGMENT_SHADER, {"colours.glsl", "lines.frag"}}},
-                          {});
-  }
-  return lines_;
+  return built(lines_, [&] {
+    return buildProgram(gl_,
+                        {{GL_VERTEX_SHADER, {"frame.glsl", "points.glsl", "wide_line.glsl", "lines.vert"}},
+                         {GL_FRAGMENT_SHADER, {"colours.glsl", "lines.frag"}}},
+                        {});
+  });
 }
 
 const ShaderProgram& ProgramSet::overlay(bool onScreen) {
-  ShaderProgram& program = overlays_[onScreen ? 1 : 0];
-  if (program.name() == 0) {
-    program = buildProgram(gl_,
-                           {{GL_VERTEX_SHADER, {"frame.glsl", "wide_line.glsl", "overlay.vert"}},
-                            {GL_FRAGMENT_SHADER, {"overlay.frag"}}},
-                           {onScreen ? "ON_SCREEN" : "IN_SPACE"});
-  }
-  return program;
+  return built(overlays_[onScreen ? 1 : 0], [&] {
+    return buildProgram(gl_,
+                        {{GL_VERTEX_SHADER, {"frame.glsl", "wide_line.glsl", "overlay.vert"}},
+                         {GL_FRAGMENT_SHADER, {"overlay.frag"}}},
+                        {onScreen ? "ON_SCREEN" : "IN_SPACE"});
+  });
 }
 
 const ShaderProgram& ProgramSet::backdrop() {
-  if (backdrop_.name() == 0) {
-    backdrop_ = buildProgram(
-        gl_,
-        {{GL_VERTEX_SHADER, {"backdrop.vert"}},
-         {GL_FRAGMENT_SHADER,
-          gallery_ ? std::vector<ShaderText>{"frame.glsl", "background.glsl", "studio.glsl", "wall.frag"}
-                   : std::vector<ShaderText>{"frame.glsl", "background.glsl", "backdrop.frag"}}},
-        {});
-  }
-  return backdrop_;
+  return built(backdrop_, [&] {
+    return gallery_ ? buildCovering(gl_, {"frame.glsl", "background.glsl", "studio.glsl", "wall.frag"}, {})
+                    : buildCovering(gl_, {"frame.glsl", "background.glsl", "backdrop.frag"}, {});
+  });
 }
 
 const ShaderProgram& ProgramSet::occlusion() {
-  if (occlusion_.name() == 0) {
-    occlusion_ = buildProgram(gl_,
-                              {{GL_VERTEX_SHADER, {"backdrop.vert"}},
-                               {GL_FRAGMENT_SHADER, {"frame.glsl", "studio.glsl", "occlusion.frag"}}},
-                              {"OCCLUSION_SLICES 3", "OCCLUSION_STEPS 8"});
-  }
-  return occlusion_;
+  return built(occlusion_, [&] {
+    return buildCovering(gl_, {"frame.glsl", "studio.glsl", "occlusion.frag"},
+                         {"OCCLUSION_SLICES 3", "OCCLUSION_STEPS 8"});
+  });
 }
 
 const ShaderProgram& ProgramSet::occlusionBlur() {
-  if (occlusionBlur_.name() == 0) {
-    occlusionBlur_ = buildProgram(
-        gl_,
-        {{GL_VERTEX_SHADER, {"backdrop.vert"}}, {GL_FRAGMENT_SHADER, {"frame.glsl", "occlusion_blur.frag"}}},
-        {});
-  }
-  return occlusionBlur_;
+  return built(occlusionBlur_, [&] { return buildCovering(gl_, {"frame.glsl", "occlusion_blur.frag"}, {}); });
 }
 
 const ShaderProgram& ProgramSet::legend(ColourMap map) {
-  ShaderProgram& program = legends_[map == ColourMap::Strain ? 1 : 0];
-  if (program.name() == 0) {
-    program = buildProgram(gl_,
-                           {{GL_VERTEX_SHADER, {"frame.glsl", "legend.vert"}},
-                            {GL_FRAGMENT_SHADER, {"colours.glsl", "legend.frag"}}},
-                           {map == ColourMap::Strain ? "STRAIN" : "SHARE"});
-  }
-  return program;
+  const bool strain = map == ColourMap::Strain;
+  return built(legends_[strain ? 1 : 0], [&] {
+    return buildProgram(gl_,
+                        {{GL_VERTEX_SHADER, {"frame.glsl", "legend.vert"}},
+                         {GL_FRAGMENT_SHADER, {"colours.glsl", "legend.frag"}}},
+                        {strain ? "STRAIN" : "SHARE"});
+  });
 }
 
 }  // namespace limber::render

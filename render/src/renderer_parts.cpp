@@ -156,7 +156,7 @@ void Renderer::Parts::openFrame() {
 void Renderer::Parts::closeFrame() {
   frame.open = false;
   shapes.freeRemoved();
-  stream->endFrame(stats.bytesStreamed);
+  stream->endFrame();
 }
 
 void Renderer::Parts::cancelFrame() {
@@ -175,12 +175,6 @@ void Renderer::Parts::uploadRecords() {
   }
   gl.NamedBufferSubData(records.name(), 0, static_cast<GLsizeiptr>(bytes), layout.records.data());
   recordsStale = false;
-}
-
-void Renderer::Parts::computeOnCpu() {
-  if (cpu) {
-    cpu->compute(layout, shapes, frame.points);
-  }
 }
 
 PointRange Renderer::Parts::pointRange() const {
@@ -221,7 +215,9 @@ void Renderer::Parts::submit(const Camera& camera, const Light& light, const Dra
                              const Overlay& overlay) {
   Stopwatch watch;
   const GlStateGuard guard(gl, sharedContext);
-  computeOnCpu();
+  if (cpu) {
+    cpu->compute(layout, shapes, frame.points);
+  }
   stats.computeMs = watch.lap();
   fillItems();
   uploadFrameData(camera, light, options, overlay);
@@ -335,7 +331,7 @@ void CpuPasses::compute(const FrameLayout& layout, const ShapeTable& shapes, flo
       continue;
     }
     float* normals = stream + 3 * (std::size_t{firstNormal(layout)} + group.firstNormal);
-    const SmoothInstances instances{group.instanceCount, points, normals};
+    const CpuInstances instances{group.instanceCount, points, normals};
     if (shape.tube) {
       computeTubeFrames(shape.pointCount, instances);
     } else {

@@ -80,7 +80,6 @@ struct Renderer::Parts {
 
   // Drawing. The picture is that of `items`.
   void submit(const Camera& camera, const Light& light, const DrawOptions& options, const Overlay& overlay);
-  void computeOnCpu();
   void fillItems();
   // All of a frame: `first` is that of the first instance.
   PointRange pointRange() const;

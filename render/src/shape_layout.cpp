@@ -113,17 +113,10 @@ std::vector<std::uint32_t> sparseWeights(const Skin& skin) {
 }
 
 std::uint32_t normalOf(const ShapeDesc& desc, std::uint32_t vertex) {
-  if (!desc.vertexToNormal.empty()) {
-    return desc.vertexToNormal[vertex];
-  }
-  return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
+  return desc.vertexToNormal.empty() ? pointOf(desc, vertex) : desc.vertexToNormal[vertex];
 }
 
 NormalAdjacency makeNormalAdjacency(const ShapeDesc& desc) {
-  const auto pointOf = [&desc](std::size_t corner) {
-    const std::uint32_t vertex = desc.triangles[corner];
-    return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
-  };
   NormalAdjacency adjacency;
   adjacency.offsets.assign(normalCount(desc) + 1, 0);
   for (const std::uint32_t vertex : desc.triangles) {
@@ -137,7 +130,7 @@ NormalAdjacency makeNormalAdjacency(const ShapeDesc& desc) {
   for (std::size_t i = 0; i < desc.triangles.size(); ++i) {
     const std::size_t first = i - i % 3, slot = 3 * std::size_t{next[normalOf(desc, desc.triangles[i])]++};
     for (std::size_t k = 0; k < 3; ++k) {
-      adjacency.corners[slot + k] = pointOf(first + (i + k) % 3);
+      adjacency.corners[slot + k] = pointOf(desc, desc.triangles[first + (i + k) % 3]);
     }
   }
   return adjacency;

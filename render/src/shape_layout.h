@@ -49,7 +49,12 @@ struct NormalAdjacency {
 /// `desc` must be valid. Vertices with the same normal share its list, so seams are smooth.
 NormalAdjacency makeNormalAdjacency(const ShapeDesc& desc);
 
-/// Returns the normal of each vertex, which is its point unless the description says otherwise.
+/// Returns the point (with a skin: place) of a vertex.
+inline std::uint32_t pointOf(const ShapeDesc& desc, std::uint32_t vertex) {
+  return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
+}
+
+/// Returns the normal of a vertex, which is its point unless the description says otherwise.
 std::uint32_t normalOf(const ShapeDesc& desc, std::uint32_t vertex);
 
 }  // namespace limber::render

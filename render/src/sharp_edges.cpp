@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "limber/render/shape_desc.h"
 #include "mat4.h"
+#include "shape_layout.h"
 
 #include <algorithm>
 #include <array>
@@ -23,14 +24,13 @@ std::size_t normalCount(const ShapeDesc& desc) {
 
 namespace {
 
-std::uint32_t pointOf(const ShapeDesc& desc, std::size_t corner) {
-  const std::uint32_t vertex = desc.triangles[corner];
-  return desc.vertexToPoint.empty() ? vertex : desc.vertexToPoint[vertex];
+std::uint32_t pointAtCorner(const ShapeDesc& desc, std::size_t corner) {
+  return pointOf(desc, desc.triangles[corner]);
 }
 
 std::vector<Vec3> faceNormals(const ShapeDesc& desc, const std::vector<float>& positions) {
   const auto place = [&](std::size_t corner) {
-    const float* p = positions.data() + 3 * std::size_t{pointOf(desc, corner)};
+    const float* p = positions.data() + 3 * std::size_t{pointAtCorner(desc, corner)};
     return Vec3{p[0], p[1], p[2]};
   };
   std::vector<Vec3> normals;
@@ -70,7 +70,7 @@ CornerGroups smoothGroups(const ShapeDesc& desc, const std::vector<Vec3>& normal
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Side>> edges;
   for (std::size_t i = 0; i < desc.triangles.size(); ++i) {
     const std::size_t next = i % 3 == 2 ? i - 2 : i + 1;
-    const std::uint32_t a = pointOf(desc, i), b = pointOf(desc, next);
+    const std::uint32_t a = pointAtCorner(desc, i), b = pointAtCorner(desc, next);
     edges[std::minmax(a, b)].push_back(a < b ? Side{{i, next}, true} : Side{{next, i}, false});
   }
   CornerGroups groups(desc.triangles.size());
@@ -97,7 +97,7 @@ std::vector<std::uint32_t> numberNormals(const ShapeDesc& desc, CornerGroups& gr
     if (const std::size_t root = groups.find(i); root != i) {
       normals[i] = normals[root];
     } else {
-      const std::uint32_t point = pointOf(desc, i);
+      const std::uint32_t point = pointAtCorner(desc, i);
       normals[i] = taken[point] ? next++ : point;
       taken[point] = true;
     }
@@ -128,7 +128,7 @@ void sharpenEdges(ShapeDesc& desc, const std::vector<float>& positions, float an
     const auto [found, isNew] =
         vertices.try_emplace({old, normals[i]}, static_cast<std::uint32_t>(points.size()));
     if (isNew) {
-      points.push_back(pointOf(desc, i));
+      points.push_back(pointOf(desc, old));
       vertexNormals.push_back(normals[i]);
       if (!desc.uvs.empty()) {
         uvs.insert(uvs.end(), {desc.uvs[2 * old], desc.uvs[2 * old + 1]});

@@ -12,7 +12,6 @@
 namespace limber::render {
 
 using std::chrono::nanoseconds;
-using std::chrono::steady_clock;
 
 StreamRing::StreamRing(FenceSource& fences, nanoseconds timeout) : fences_(fences), timeout_(timeout) {}
 
@@ -65,13 +64,11 @@ void StreamRing::waitFor(std::size_t index) {
   Region& region = regions_[index];
   if (!fences_.wait(region.fence, nanoseconds::zero())) {
     ++counters_.stalls;
-    const auto start = steady_clock::now();
     if (!fences_.wait(region.fence, timeout_)) {
       const double seconds = std::chrono::duration<double>(timeout_).count();
       throw std::runtime_error("stream ring: the GPU still uses region " + std::to_string(index) + " after " +
                                std::to_string(seconds) + " s");
     }
-    counters_.stalled += steady_clock::now() - start;
   }
   fences_.destroy(region.fence);
   region = Region{};
@@ -84,40 +81,36 @@ StreamRing::Region& StreamRing::openRegion(const char* caller) {
   return regions_[current_];
 }
 
+namespace {
+
 /// The ring's fences as OpenGL sync objects.
 class GlFences final : public FenceSource {
  public:
   explicit GlFences(const Gl& gl) : gl_(gl) {}
 
-  Fence insert() override;
-  bool wait(Fence fence, std::chrono::nanoseconds timeout) override;
-  void destroy(Fence fence) noexcept override;
+  Fence insert() override {
+    const GLsync sync = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (sync == nullptr) {
+      throw std::runtime_error("glFenceSync failed: the OpenGL context is lost or not current");
+    }
+    return sync;
+  }
+
+  bool wait(Fence fence, std::chrono::nanoseconds timeout) override {
+    // Without the flush, the fence could stay in an unsent command buffer for ever.
+    const GLenum result = gl_.ClientWaitSync(static_cast<GLsync>(fence), GL_SYNC_FLUSH_COMMANDS_BIT,
+                                             static_cast<GLuint64>(timeout.count()));
+    if (result == GL_WAIT_FAILED) {
+      throw std::runtime_error("glClientWaitSync failed: the OpenGL context is lost or not current");
+    }
+    return result != GL_TIMEOUT_EXPIRED;
+  }
+
+  void destroy(Fence fence) noexcept override { gl_.DeleteSync(static_cast<GLsync>(fence)); }
 
  private:
   const Gl& gl_;
 };
-
-FenceSource::Fence GlFences::insert() {
-  const GLsync sync = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-  if (sync == nullptr) {
-    throw std::runtime_error("glFenceSync failed: the OpenGL context is lost or not current");
-  }
-  return sync;
-}
-
-bool GlFences::wait(Fence fence, std::chrono::nanoseconds timeout) {
-  // Without the flush, the fence could stay in an unsent command buffer for ever.
-  const GLenum result = gl_.ClientWaitSync(static_cast<GLsync>(fence), GL_SYNC_FLUSH_COMMANDS_BIT,
-                                           static_cast<GLuint64>(timeout.count()));
-  if (result == GL_WAIT_FAILED) {
-    throw std::runtime_error("glClientWaitSync failed: the OpenGL context is lost or not current");
-  }
-  return result != GL_TIMEOUT_EXPIRED;
-}
-
-void GlFences::destroy(Fence fence) noexcept { gl_.DeleteSync(static_cast<GLsync>(fence)); }
-
-namespace {
 
 // The largest offset alignment of storage buffers that a driver may require.
 constexpr std::size_t kRegionAlignment = 256;
@@ -156,11 +149,6 @@ StreamFrame StreamBuffer::beginFrame() {
     std::fill_n(frame.data, frame.floatCount, std::numeric_limits<float>::quiet_NaN());
   }
   return frame;
-}
-
-void StreamBuffer::endFrame(std::size_t bytesWritten) {
-  ring_.submit();
-  bytesLastFrame_ = bytesWritten;
 }
 
 }  // namespace limber::render

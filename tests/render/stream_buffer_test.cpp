@@ -42,12 +42,11 @@ TEST_F(StreamBufferTest, RegionsAreAlignedAndApart) {
     EXPECT_EQ(frame.floatCount, 100u);
     EXPECT_EQ(frame.byteOffset % 256, 0);
     offsets.push_back(frame.byteOffset);
-    buffer.endFrame(40);
+    buffer.endFrame();
   }
   EXPECT_GE(offsets[1] - offsets[0], 400);
   EXPECT_GE(offsets[2] - offsets[1], 400);
   EXPECT_EQ(offsets[3], offsets[0]);
-  EXPECT_EQ(buffer.bytesLastFrame(), 40u);
   EXPECT_EQ(buffer.counters().frames, 4u);
   EXPECT_EQ(buffer.counters().waits, 1u);
   EXPECT_EQ(buffer.bytes(), 3u * 512u);
@@ -62,7 +61,7 @@ TEST_F(StreamBufferTest, WhatIsWrittenReachesTheBuffer) {
     frame.data[i] = static_cast<float>(i);
   }
   EXPECT_EQ(read(buffer, frame)[7], 7.0f);
-  buffer.endFrame(40);
+  buffer.endFrame();
   buffer.drain();
 }
 
@@ -77,7 +76,7 @@ TEST_F(StreamBufferTest, PoisonFillsEachRegionBeforeItIsHandedOut) {
       EXPECT_TRUE(std::isnan(value));
     }
     frame.data[0] = 1.0f;
-    buffer.endFrame(4);
+    buffer.endFrame();
   }
 }
 
@@ -88,7 +87,7 @@ TEST_F(StreamBufferTest, TwoOpenFramesAreRefused) {
   buffer.beginFrame();
   EXPECT_THROW(buffer.beginFrame(), std::logic_error);
   buffer.cancelFrame();
-  EXPECT_THROW(buffer.endFrame(0), std::logic_error);
+  EXPECT_THROW(buffer.endFrame(), std::logic_error);
 }
 
 }  // namespace

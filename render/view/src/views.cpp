@@ -22,6 +22,8 @@
 #include <vector>
 
 namespace limber::view {
+inline namespace LIMBER_BULLET_PRECISION {
+namespace {
 
 /// Removes the entries for which `gone` is true from the map and calls `hide` for them, in the order of their
 /// instances. The order of addresses would differ from run to run, and so would the ids of new instances.
@@ -50,9 +52,6 @@ render::InstanceId addUser(render::Renderer& renderer, Shape& shape, Look look) 
     throw;
   }
 }
-
-inline namespace LIMBER_BULLET_PRECISION {
-namespace {
 
 constexpr render::Vec3 kStaticColour{0.78f, 0.79f, 0.82f}, kDynamicColour{0.76f, 0.62f, 0.45f};
 
@@ -199,9 +198,6 @@ void RigidView::hide(const Shown& shown) {
   if (--surface.users == 0) renderer_.removeShape(surface.id);
 }
 
-}  // namespace LIMBER_BULLET_PRECISION
-
-inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// `mirrored`: triangles then show their other side, and need the opposite order to face outwards.
@@ -247,9 +243,6 @@ render::ShapeDesc shapeOf(const SoftBody& body, render::Shading shading) {
   return shape;
 }
 
-}  // namespace LIMBER_BULLET_PRECISION
-
-inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 /// Returns the places of the surface at rest, 3 floats each.
@@ -367,11 +360,7 @@ void SoftView::hide(const Shown& shown) {
   shape.network.reset();
 }
 
-}  // namespace LIMBER_BULLET_PRECISION
-
 // --- overlays ----------------------------------------------------------------------------------------------
-
-inline namespace LIMBER_BULLET_PRECISION {
 
 void DebugDrawer::drawLine(const btVector3& from, const btVector3& to, const btVector3& colour) {
   overlay.push_back({toVec3(from), toVec3(to), toVec3(colour)});
@@ -389,9 +378,6 @@ void DebugDrawer::reportErrorWarning(const char* text) {
   std::fprintf(stderr, "bullet: %s\n", text);
 }
 
-}  // namespace LIMBER_BULLET_PRECISION
-
-inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 render::Vec3 vec3Of(const Eigen::Vector3d& v) {
@@ -419,5 +405,4 @@ void addVelocities(render::Overlay& overlay, const SoftBody& body, const Velocit
 }
 
 }  // namespace LIMBER_BULLET_PRECISION
-
 }  // namespace limber::view

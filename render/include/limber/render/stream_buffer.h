@@ -42,9 +42,8 @@ class StreamBuffer {
 
   /// Opens the next region, waiting for the GPU if all are busy. Errors as StreamRing::begin.
   StreamFrame beginFrame();
-  /// Fences the open region: call after the last command that reads it. `bytesWritten` is for the statistics
-  /// only.
-  void endFrame(std::size_t bytesWritten);
+  /// Fences the open region: call after the last command that reads it.
+  void endFrame() { ring_.submit(); }
   /// Closes the open region unused.
   void cancelFrame() { ring_.cancel(); }
   /// Waits until the GPU has finished with all regions.
@@ -53,7 +52,6 @@ class StreamBuffer {
   GLuint name() const { return buffer_.name(); }
   std::size_t bytes() const { return buffer_.bytes(); }
   std::size_t floatsPerFrame() const { return floatsPerFrame_; }
-  std::size_t bytesLastFrame() const { return bytesLastFrame_; }
   const StreamRing::Counters& counters() const { return ring_.counters(); }
 
  private:
@@ -63,7 +61,6 @@ class StreamBuffer {
   float* mapped_ = nullptr;
   std::size_t floatsPerFrame_ = 0;
   std::size_t regionBytes_ = 0;
-  std::size_t bytesLastFrame_ = 0;
   bool poison_ = false;
 };
 

@@ -36,7 +36,6 @@ class StreamRing {
     std::uint64_t frames = 0;  ///< Regions submitted.
     std::uint64_t waits = 0;   ///< Times begin() found its region in flight.
     std::uint64_t stalls = 0;  ///< Of these, how often the fence had not yet passed.
-    std::chrono::nanoseconds stalled{0};
   };
 
   /// `fences` must outlive the ring.

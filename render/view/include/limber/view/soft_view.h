@@ -11,7 +11,6 @@
 #include <vector>
 
 namespace limber::view {
-
 inline namespace LIMBER_BULLET_PRECISION {
 
 /// Returns the shape of a soft body for the renderer: its surface (with the skin if it has one), or a tube
@@ -20,10 +19,6 @@ inline namespace LIMBER_BULLET_PRECISION {
 /// point radius may share a shape. Surfaces are two-sided, because the inside of an open surface is visible,
 /// and that of a body that is turned inside out, too.
 render::ShapeDesc shapeOf(const SoftBody& body, render::Shading shading);
-
-}  // namespace LIMBER_BULLET_PRECISION
-
-inline namespace LIMBER_BULLET_PRECISION {
 
 struct SoftLook {
   render::InstanceLook instance;
@@ -92,5 +87,4 @@ class SoftView {
 };
 
 }  // namespace LIMBER_BULLET_PRECISION
-
 }  // namespace limber::view
