@@ -2,6 +2,7 @@
 // cook(): what becomes of meshes of every kind, and materials of what is not filled with tetrahedra.
 
 #include "cook/cooked_figure.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "network/tetrahedra.h"
 #include "support/constants.h"
@@ -240,6 +241,14 @@ TEST(Cook, aRingOfWireHasAboutTheChosenNumberOfPoints) {
   const std::size_t points = cooked(ring(0.5, 0.01), settings).bodies[0]->restPoints.size();
   EXPECT_GT(points, 0.75 * 300);
   EXPECT_LT(points, 1.25 * 300);
+}
+
+TEST(Cook, verticesThatNoTriangleUsesCountForNothing) {
+  TriangleMesh mesh = ball(Vector3d::Zero(), 0.4);
+  const double size = extent(cooked(mesh).bodies[0]->restPoints);
+  mesh.positions.emplace_back(1000.0, 0.0, 0.0);
+  const SharedNetwork body = cooked(mesh).bodies[0];
+  EXPECT_NEAR(extent(body->restPoints), size, 0.02 * size);
 }
 
 TEST(Cook, anOpenMeshGetsAnInside) {

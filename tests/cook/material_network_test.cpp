@@ -260,6 +260,27 @@ TEST(MaterialNetwork, thinBodiesDoNotLockWhenTheyBendNearIncompressibility) {
   }
 }
 
+/// A rope and a cloth that a scale makes longer have the stiffness and the mass of longer ones.
+TEST(MaterialNetwork, scalesOfOneAxisAreLengths) {
+  for (const double factor : {0.5, 3.0}) {
+    RopeSettings rope;
+    rope.thickness = 0.02;
+    ClothSettings cloth;
+    cloth.thickness = 0.002;
+    const SharedNetwork networks[] = {*buildRope(rope), *buildCloth(cloth)};
+    rope.length *= factor, cloth.width *= factor;
+    const SharedNetwork longer[] = {*buildRope(rope), *buildCloth(cloth)};
+    for (const int i : {0, 1}) {
+      SoftBodySettings scaled;
+      scaled.scale.x() = factor;
+      const SoftBodySettings seen = *withMaterial(*networks[i], {}, scaled),
+                             wanted = *withMaterial(*longer[i], {});
+      EXPECT_NEAR(seen.extensionStiffness, wanted.extensionStiffness, 1e-9 * wanted.extensionStiffness) << i;
+      EXPECT_NEAR(seen.totalMass, wanted.totalMass, 1e-9 * wanted.totalMass) << i;
+    }
+  }
+}
+
 TEST(MaterialNetwork, saysWhatItCannotDo) {
   EXPECT_EQ(buildMaterialNetwork(small_meshes::singleTriangle()).error(),
             "the mesh is not closed: it has 3 open edges; wrap() closes it, cook() does so by itself");
@@ -282,6 +303,12 @@ TEST(MaterialNetwork, saysWhatItCannotDo) {
             "the thickness of the cloth is 0: a material needs it (see RopeSettings and ClothSettings)");
   EXPECT_EQ(withMaterial(**buildNetwork(small_meshes::singleTriangle()), {}).error(),
             "the surface of the network is open: a material needs its volume");
+  TriangleMesh flipped = small_meshes::cube(2);
+  std::swap(flipped.triangles[0][1], flipped.triangles[0][2]);
+  EXPECT_EQ(
+      withMaterial(**buildNetwork(flipped), {}).error(),
+      "at 3 edges the triangles of the network face different sides: a material needs its volume (cook() or "
+      "wrap() the mesh)");
 }
 
 }  // namespace

@@ -124,6 +124,29 @@ TEST(Simplify, componentsStayApart) {
   EXPECT_TRUE(result.report.watertight());
 }
 
+/// A cylinder with caps of fans: slivers that each collapse makes a little worse.
+TEST(Simplify, fansAndBandsOfSliversGetAsFewPoints) {
+  for (const std::uint32_t sides : {48u, 200u, 1000u}) {
+    TriangleMesh mesh;
+    mesh.positions = {{0, 0, 0}, {0, 0, 0.5}};
+    for (std::uint32_t i = 0; i < sides; ++i)
+      for (const double height : {0.0, 0.5})
+        mesh.positions.emplace_back(0.3 * std::cos(2 * M_PI * i / sides),
+                                    0.3 * std::sin(2 * M_PI * i / sides), height);
+    for (std::uint32_t i = 0; i < sides; ++i) {
+      const std::uint32_t low = 2 + 2 * i, next = 2 + 2 * ((i + 1) % sides);
+      for (const limber::Triangle& t :
+           {limber::Triangle{0, next, low}, limber::Triangle{1, low + 1, next + 1},
+            limber::Triangle{low, next, next + 1}, limber::Triangle{low, next + 1, low + 1}})
+        mesh.triangles.push_back(t);
+    }
+    const WeldedMesh coarser = coarse(mesh, 50);
+    EXPECT_EQ(coarser.points.size(), 50u) << sides;
+    EXPECT_TRUE(coarser.report.watertight()) << sides;
+    EXPECT_NEAR(volume(coarser), M_PI * 0.09 * 0.5, 0.05 * M_PI * 0.09 * 0.5) << sides;
+  }
+}
+
 TEST(Simplify, smallMeshesComeBackAsTheyAre) {
   const WeldedMesh cube = welded(small_meshes::cube()), result = coarse(small_meshes::cube(), 100);
   EXPECT_EQ(result.points.size(), 8u);

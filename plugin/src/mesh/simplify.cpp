@@ -79,9 +79,12 @@ constexpr double kPointWeight = 1e-3;
 constexpr double kBorderWeight = 10.0;
 /// Cosine of the largest rotation of a triangle's normal in one collapse.
 constexpr double kMinRotationCosine = 0.3;
-/// Smallest quality of a new triangle,  4 sqrt(3) area / sum of squared sides  (1: equilateral), unless the
-/// old one was worse.
+/// Smallest quality of a new triangle,  4 sqrt(3) area / sum of squared sides  (1: equilateral), unless one
+/// of the old ones was worse.
 constexpr double kMinQuality = 0.15;
+
+/// A quality of slivers that is lower by this factor is no worse.
+constexpr double kMuchWorse = 0.7;
 
 bool contains(const Triangle& t, std::uint32_t point) {
   return t[0] == point || t[1] == point || t[2] == point;
@@ -166,9 +169,38 @@ bool linkAllows(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_
   });
 }
 
+/// Whether joining a and b would make two triangles with the same corners.
+bool closesLobe(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
+  for (const std::uint32_t i : surface.trianglesOf[b]) {
+    const Triangle& t = surface.triangles[i];
+    if (contains(t, a)) continue;
+    const auto isSame = [&](std::uint32_t j) {
+      return std::all_of(t.begin(), t.end(), [&](std::uint32_t corner) {
+        return corner == b || contains(surface.triangles[j], corner);
+      });
+    };
+    if (std::any_of(surface.trianglesOf[a].begin(), surface.trianglesOf[a].end(), isSame)) return true;
+  }
+  return false;
+}
+
+double qualityOf(const CollapsibleSurface& surface, const Triangle& t) {
+  return quality(surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]);
+}
+
+/// Returns the quality that triangles around a and b must keep. Among slivers they may become a little worse:
+/// a fan or a band of them could else never be simplified.
+double leastQuality(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
+  double worst = kMinQuality / kMuchWorse;
+  for (const std::uint32_t end : {a, b})
+    for (const std::uint32_t t : surface.trianglesOf[end])
+      worst = std::min(worst, qualityOf(surface, surface.triangles[t]));
+  return kMuchWorse * worst;
+}
+
 /// Checks the remaining triangles of `moved`.
 bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::uint32_t other,
-                 const Vector3d& position) {
+                 const Vector3d& position, double leastQuality) {
   for (const std::uint32_t i : surface.trianglesOf[moved]) {
     const Triangle& t = surface.triangles[i];
     if (contains(t, other)) continue;
@@ -180,8 +212,7 @@ bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::ui
     const Vector3d oldArea = areaVector(before[0], before[1], before[2]);
     const Vector3d newArea = areaVector(after[0], after[1], after[2]);
     if (oldArea.dot(newArea) <= kMinRotationCosine * oldArea.norm() * newArea.norm()) return false;
-    const double minQuality = std::min(kMinQuality, quality(before[0], before[1], before[2]));
-    if (quality(after[0], after[1], after[2]) < minQuality) return false;
+    if (quality(after[0], after[1], after[2]) < leastQuality) return false;
   }
   return true;
 }
@@ -204,8 +235,10 @@ CollapsibleSurface makeCollapsible(std::vector<Vector3d> points, std::vector<Tri
 /// Edelsbrunner, Guha, Nekhayev 1999) and does not flip a triangle or make a sliver.
 bool mayCollapse(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b,
                  const Vector3d& position) {
-  return !surface.fixed[a] && !surface.fixed[b] && linkAllows(surface, a, b) &&
-         shapeAllows(surface, a, b, position) && shapeAllows(surface, b, a, position);
+  if (surface.fixed[a] || surface.fixed[b] || !linkAllows(surface, a, b) || closesLobe(surface, a, b))
+    return false;
+  const double least = leastQuality(surface, a, b);
+  return shapeAllows(surface, a, b, position, least) && shapeAllows(surface, b, a, position, least);
 }
 
 /// Moves a to `position` and removes b.

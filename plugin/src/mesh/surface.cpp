@@ -169,6 +169,13 @@ double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
 }
 
+double extent(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t corner : t) box.extend(mesh.positions[corner]);
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
 double extent(const std::vector<Vector3d>& points) {
   if (points.empty()) return 0.0;
   return extent(

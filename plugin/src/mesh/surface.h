@@ -178,6 +178,9 @@ inline Eigen::Vector3d areaVector(const Eigen::Vector3d& a, const Eigen::Vector3
 double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& points);
 double extent(const std::vector<Eigen::Vector3d>& points);
 
+/// Returns the same of the triangles: vertices that none uses do not count.
+double extent(const TriangleMesh& mesh);
+
 /// Returns the volume (m^3) inside the triangles; negative if they face inward.
 double signedVolume(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles);
 

@@ -25,7 +25,10 @@ namespace {
 /// A larger rope takes gigabytes and is probably a mistake.
 constexpr std::uint32_t kMaxRopePoints = 10'000'000;
 
+constexpr double kLargestSize = 1e9;  // m, as of the coordinates of any network
+
 std::string checkSize(const char* name, double value) {
+  if (value > kLargestSize) return mustBe(name, value, "at most 1e9");
   return std::isfinite(value) && value > 0.0 ? std::string() : mustBe(name, value, "above 0");
 }
 

@@ -350,8 +350,7 @@ constexpr double kEnough = 1.3;
 
 bool hasTooFewPoints(const Part& part, const Solid& solid, const TetrahedralMesh& filling) {
   if (largestMiss(part.welded, filling) > kMostMissed * extent(part.welded.points)) return true;
-  return part.welded.report.openEdges == 0 &&
-         std::abs(signedVolume(filling.points, filling.surface)) > kMostGrown * solid.volume;
+  return std::abs(signedVolume(filling.points, filling.surface)) > kMostGrown * solid.volume;
 }
 
 /// The ratio of the points that are tried to those that Limber has chosen, if these are too few.

@@ -153,6 +153,7 @@ class Text {
   void add(const char* format, Values... values) {
     char line[200];
     const int length = std::snprintf(line, sizeof line, format, values...);
+    std::replace(line, line + length, ',', '.');  // of the program's locale; no format has a comma
     bytes_.insert(bytes_.end(), line, line + length);
   }
   void add(const char* text) {

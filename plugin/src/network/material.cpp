@@ -181,11 +181,12 @@ Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const Mater
 
 namespace {
 
-/// Returns the sum of stiffnessScale times the square of the rest length over the springs, m^2.
-double stiffnessMoment(const SpringNetwork& network) {
+/// Returns the sum of stiffnessScale times the square of the scaled rest length over the springs, m^2.
+double stiffnessMoment(const SpringNetwork& network, const Eigen::Vector3d& scale) {
   double sum = 0.0;
   for (const NetworkSpring& s : network.springs)
-    sum += s.stiffnessScale * (network.restPoints[s.b] - network.restPoints[s.a]).squaredNorm();
+    sum += s.stiffnessScale *
+           (network.restPoints[s.b] - network.restPoints[s.a]).cwiseProduct(scale).squaredNorm();
   return sum;
 }
 
@@ -203,35 +204,41 @@ struct FormMaterial {
   std::optional<double> volumeModulus{};
 };
 
-Result<FormMaterial> ofRopeOrSheet(const SpringNetwork& network, double lengthScale) {
+Result<FormMaterial> ofRopeOrSheet(const SpringNetwork& network, const Eigen::Vector3d& scale) {
+  const double moment = stiffnessMoment(network, scale) / scale.prod();
   const bool isRope = network.kind == NetworkKind::Rope;
   if (network.thickness <= 0.0)
     return Error{std::string("the thickness of the ") + (isRope ? "rope" : "cloth") +
                  " is 0: a material needs it (see RopeSettings and ClothSettings)"};
   if (!isRope) {
     const double volume = network.thickness * areaOf(network);
-    return FormMaterial{lengthScale * 3.0 * volume / stiffnessMoment(network), volume};
+    return FormMaterial{3.0 * volume / moment, volume};
   }
   double length = 0.0;
   for (const NetworkSpring& s : network.springs)
     if (s.kind == SpringKind::Structural)
       length += (network.restPoints[s.b] - network.restPoints[s.a]).norm();
   const double volume = 0.25 * kPi * network.thickness * network.thickness * length;
-  return FormMaterial{lengthScale * volume / stiffnessMoment(network), volume};
+  return FormMaterial{volume / moment, volume};
 }
 
 Result<FormMaterial> formOf(const SpringNetwork& network, double poissonRatio, const Eigen::Vector3d& scale) {
-  const double lengthScale = std::cbrt(scale.prod());
-  if (network.kind != NetworkKind::Solid) return ofRopeOrSheet(network, lengthScale);
+  if (network.kind != NetworkKind::Solid) return ofRopeOrSheet(network, scale);
   const auto solidVolume = [&](double own) { return network.volume > 0.0 ? network.volume : own; };
   if (!network.tetrahedra.empty() && network.stiffnessPerModulus > 0.0) {
     const UnitMaterial unit = findUnitMaterial(network, poissonRatio, scale);
     return FormMaterial{unit.stiffness, solidVolume(volumeOfTetrahedra(network)), unit.volumeModulus};
   }
-  if (network.surface.empty() || findEdgeDefects(network.surface).open > 0)
+  const EdgeDefects defects = findEdgeDefects(network.surface);
+  if (network.surface.empty() || defects.open > 0)
     return Error{"the surface of the network is open: a material needs its volume"};
+  if (defects.inconsistent > 0 && !(network.volume > 0.0))
+    return Error{
+        "at " + std::to_string(defects.inconsistent) +
+        " edges the triangles of the network face different sides: a material needs its volume (cook() "
+        "or wrap() the mesh)"};
   const double volume = solidVolume(std::abs(signedVolume(network.restPoints, network.surface)));
-  return FormMaterial{lengthScale * 6.0 * volume / stiffnessMoment(network), volume};
+  return FormMaterial{6.0 * volume * scale.prod() / stiffnessMoment(network, scale), volume};
 }
 
 }  // namespace

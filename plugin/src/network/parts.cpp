@@ -114,8 +114,7 @@ std::vector<Triangle> withoutCrumbs(const TriangleMesh& mesh, const WeldedMesh& 
 /// Returns the distance (m) up to which wrap() joins pieces of the mesh.
 double joinOf(const WrapSettings& settings, const TriangleMesh& mesh) {
   if (settings.join > 0.0) return settings.join;
-  return kWrapWidths *
-         (settings.resolution > 0.0 ? settings.resolution : extent(mesh.positions) / kWrapCells);
+  return kWrapWidths * (settings.resolution > 0.0 ? settings.resolution : extent(mesh) / kWrapCells);
 }
 
 void leaveOutTinyOnes(std::vector<Part>& parts) {
@@ -167,7 +166,7 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
 Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, double thickness) {
   settings.connect = true;
   if (settings.resolution == 0.0) {
-    const double cell = extent(mesh.positions) / kWrapCells;
+    const double cell = extent(mesh) / kWrapCells;
     settings.resolution = std::max(cell, thickness / kCellsPerThickness);
     if (settings.thickness == 0.0) settings.thickness = kWrapWidths * cell;
     if (settings.join == 0.0) settings.join = kWrapWidths * cell;
@@ -279,7 +278,8 @@ TriangleMesh middleOf(const TriangleMesh& mesh, const WeldedMesh& welded, const 
                       double& thickness) {
   std::vector<Triangle> triangles;
   double area = 0.0;
-  for (const Triangle& t : mesh.triangles) {
+  for (const std::uint32_t kept : welded.keptTriangles) {
+    const Triangle& t = mesh.triangles[kept];
     const Vector3d vector = areaVector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
     if (!(vector.normalized().dot(normal) > 0.5)) continue;
     triangles.push_back(t);
@@ -325,7 +325,7 @@ TriangleMesh divided(const TriangleMesh& mesh) {
 
 /// Divides the triangles until the sheet can fold, but not beyond about half of the points it may have.
 TriangleMesh refined(TriangleMesh mesh, std::size_t limit) {
-  const double size = extent(mesh.positions);
+  const double size = extent(mesh);
   while (longestEdge(mesh) > kSheetEdge * size && 4 * mesh.triangles.size() < limit) mesh = divided(mesh);
   return mesh;
 }
