@@ -90,6 +90,21 @@ TEST(Grab, atRestItDoesNotOscillate) {
   EXPECT_LT((pair->position(0) - place).norm(), 0.02);
 }
 
+TEST(Grab, pullsStraightOverAnyDistance) {
+  for (const double distance : {1.0, -10.0, 30.0}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    SoftBody* cube = addGrabbedCube(system);
+    Result<Grab> held = grab(system, cube, 7);
+    ASSERT_TRUE(held);
+    const Eigen::Vector3d from = cube->position(7);
+    held->moveTo(vec(from.x() + distance, from.y(), from.z()));
+    bullet.tick();
+    const Eigen::Vector3d momentum = cube->linearMomentum();
+    EXPECT_NEAR(momentum.x() / momentum.norm(), distance > 0 ? 1.0 : -1.0, 1e-4) << distance;
+  }
+}
+
 TEST(Grab, pullsNoMoreThanItsForce) {
   BulletWorld bullet;
   bullet.addPlaneFloor();

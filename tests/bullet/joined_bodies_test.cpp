@@ -149,7 +149,7 @@ TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
 
 /// A cloth in the plane y = 0 whose normals point up, carried by one bone with the same limits at each point.
 struct LimitedCloth {
-  LimitedCloth(double gravity, double maxDistance, double backStop)
+  LimitedCloth(double gravity, double maxDistance, double backStop, double side = 1.0)
       : bullet(gravity), system(*bullet.world), bones{bone(0, 0)} {
     ClothSettings shape;
     shape.columns = shape.rows = 6;
@@ -158,6 +158,7 @@ struct LimitedCloth {
     s.extensionStiffness = s.compressionStiffness = 100.0;
     s.damping = 0.05;
     s.flow.linearDrag = 0.0;
+    s.scale.x() = side;
     body = *system.createBody(*buildCloth(shape), s);
     std::vector<BoundPoint> points;
     for (std::uint32_t i = 0; i < body->pointCount(); ++i)
@@ -202,6 +203,9 @@ TEST(BoundSkeleton, theBackStopHoldsThemInFront) {
   infront.bullet.simulate(3.0);
   EXPECT_NEAR(behind.body->centerOfMass().y(), -0.01, kGivesWay);
   EXPECT_NEAR(infront.body->centerOfMass().y(), 0.05, kGivesWay);
+  LimitedCloth mirrored(-10.0, 0.05, 0.01, -1.0);
+  mirrored.bullet.simulate(3.0);
+  EXPECT_NEAR(mirrored.body->centerOfMass().y(), -0.01, kGivesWay);
   // upside down, behind is above
   LimitedCloth turned(10.0, 0.05, 0.01);
   for (int i = 0; i <= 60; ++i) {
@@ -238,6 +242,59 @@ TEST(BoundSkeleton, aTeleportTakesTheWholeBodyAlong) {
   EXPECT_LT(test::energyOf(*cloth.body), before + 1e-4);
   cloth.skeleton->release();
   EXPECT_EQ(cloth.system.springCount(), 0u);
+}
+
+/// Points on one line do not say how the body turns about it, nor does one point alone.
+TEST(BoundSkeleton, aTeleportByFewPointsTurnsNothing) {
+  for (const std::uint32_t count : {1u, 4u}) {
+    BulletWorld bullet(0.0);
+    SoftBodySystem system(*bullet.world);
+    ClothSettings shape;
+    shape.columns = shape.rows = 6;
+    SoftBody* cloth = *system.createBody(*buildCloth(shape), test::testedSettings());
+    std::vector<BoundPoint> points;
+    for (std::uint32_t i = 0; i < count; ++i) points.push_back({i, {{0, 1.0}}});
+    std::vector<btTransform> bones{bone(0, 0)};
+    auto skeleton = Skeleton::bind(system, *cloth, points, bones);
+    ASSERT_TRUE(skeleton);
+    bullet.tick();
+    std::vector<Eigen::Vector3d> before;
+    for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) before.push_back(cloth->position(i));
+    bones[0].setOrigin(vec(3, 2, 1));
+    ASSERT_TRUE(skeleton->moveTo(bones, true));
+    for (std::uint32_t i = 0; i < cloth->pointCount(); ++i)
+      EXPECT_LT((cloth->position(i) - before[i] - Eigen::Vector3d(3, 2, 1)).norm(), 1e-3)
+          << count << ' ' << i;
+  }
+}
+
+TEST(BoundSkeleton, aRefusedTeleportMovesNothing) {
+  LimitedCloth cloth(0.0, 0.05, -1.0);
+  cloth.bullet.tick();
+  btRigidBody* object = cloth.body->surfaceObject();
+  if (!object) GTEST_SKIP() << "needs Collision::Surface";
+  const btVector3 place = cloth.skeleton->place(0);
+  cloth.bullet.world->removeRigidBody(object);
+  cloth.bones[0].setOrigin(vec(10, 0, 0));
+  EXPECT_FALSE(cloth.skeleton->moveTo(cloth.bones, true));
+  EXPECT_EQ(cloth.skeleton->place(0), place);
+  cloth.bullet.world->addRigidBody(object);
+  ASSERT_TRUE(cloth.skeleton->moveTo(cloth.bones, true));
+  EXPECT_NEAR(cloth.body->centerOfMass().x(), 10.0, 1e-3);
+}
+
+/// Retries of a tick start from the same places: the body stays behind its bones.
+TEST(BoundSkeleton, aToleranceDoesNotThrowThePointsAhead) {
+  LimitedCloth cloth(0.0, 0.02, -1.0);
+  SoftBodySettings s = cloth.body->settings();
+  s.stepping.tolerance = 1e-4;
+  ASSERT_TRUE(cloth.body->change(s));
+  for (int i = 1; i <= 30; ++i) {
+    cloth.bones[0].setOrigin(vec(6.0 * i / 60.0, 0, 0));
+    ASSERT_TRUE(cloth.skeleton->moveTo(cloth.bones));
+    cloth.bullet.tick();
+    EXPECT_LT(cloth.body->centerOfMass().x(), 6.0 * i / 60.0) << i;
+  }
 }
 
 TEST(BoundSkeleton, itMayOutliveTheBodyAndTheSystem) {

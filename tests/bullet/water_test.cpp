@@ -86,6 +86,23 @@ TEST_F(WaterTest, itBobsWithItsPeriodAndKeepsTheEnergy) {
   EXPECT_NEAR(highest, 0.1, 0.01);
 }
 
+/// The mass is that of the points, not that of the settings.
+TEST_F(WaterTest, itBobsAlikeWithMassesOfTheUsers) {
+  setWater(0.0);
+  double heights[2][60];
+  for (const bool own : {false, true}) {
+    SoftBodySettings s = stiffSolid(own ? 1.0 : 500.0);
+    s.flow.drag = s.flow.linearDrag = 0.0;
+    s.position = {5.0 * own, 1.0, 0};
+    SoftBody* cube = add(solidOf(small_meshes::cube(1)), s);
+    if (own)
+      for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
+        cube->point(i)->setMassProps(btScalar(500.0 / cube->pointCount()), btVector3(0, 0, 0));
+    for (double& height : heights[own]) bullet.tick(), bullet.tick(), height = heightOf(*cube);
+  }
+  for (int i = 0; i < 60; ++i) EXPECT_NEAR(heights[0][i], heights[1][i], 0.01) << i;
+}
+
 TEST_F(WaterTest, buoyancyIsTheWeightOfTheDisplacedWater) {
   setWater(100.0);
   for (const double mirror : {1.0, -1.0}) {

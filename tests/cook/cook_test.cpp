@@ -16,7 +16,9 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 #include <vector>
 
 namespace limber {
@@ -249,6 +251,34 @@ TEST(Cook, verticesThatNoTriangleUsesCountForNothing) {
   mesh.positions.emplace_back(1000.0, 0.0, 0.0);
   const SharedNetwork body = cooked(mesh).bodies[0];
   EXPECT_NEAR(extent(body->restPoints), size, 0.02 * size);
+}
+
+/// Voxels in a ring that closes at one corner: a mesh of one piece that touches itself at a vertex.
+TEST(Cook, partsThatTouchAtAVertexHaveTheirOwnPoints) {
+  const std::set<std::array<int, 3>> voxels{{0, 0, 0},  {-1, 0, 0}, {-2, 0, 0}, {-2, 0, 1},
+                                            {-2, 0, 2}, {-2, 0, 3}, {-2, 1, 3}, {-1, 1, 3},
+                                            {0, 1, 3},  {1, 1, 3},  {1, 1, 2},  {1, 1, 1}};
+  TriangleMesh mesh;
+  const auto addSide = [&](const Vector3d& corner, const Vector3d& u, const Vector3d& v) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const Vector3d& p : {corner, Vector3d(corner + u), Vector3d(corner + u + v), Vector3d(corner + v)})
+      mesh.positions.push_back(0.25 * p);
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+  };
+  for (const auto& voxel : voxels)
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      for (const int side : {0, 1}) {
+        std::array<int, 3> beside = voxel;
+        beside[static_cast<std::size_t>(axis)] += 2 * side - 1;
+        if (voxels.count(beside)) continue;
+        Vector3d corner(voxel[0], voxel[1], voxel[2]);
+        const Vector3d u = Vector3d::Unit((axis + 1) % 3), v = Vector3d::Unit((axis + 2) % 3);
+        corner[axis] += side;
+        side ? addSide(corner, u, v) : addSide(corner, v, u);
+      }
+  const CookedMesh c = cooked(mesh);
+  for (const SharedNetwork& body : c.bodies) EXPECT_EQ(validate(*body).error(), "");
 }
 
 TEST(Cook, anOpenMeshGetsAnInside) {

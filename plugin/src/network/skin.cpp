@@ -262,6 +262,7 @@ Result<SharedNetwork> withSkin(const SpringNetwork& network, const TriangleMesh&
   auto skinned = std::make_shared<SpringNetwork>(network);
   skinned->render = makeRenderSurface(mesh, *welded, rounded(*weights));
   flip(skinned->render.triangles, inward);
+  if (Result<void> valid = validate(*skinned); !valid) return Error{"the skin: " + valid.error()};
   return SharedNetwork(std::move(skinned));
 }
 

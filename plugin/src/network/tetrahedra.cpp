@@ -307,6 +307,7 @@ Result<TetrahedralMesh> finish(Trial trial, const SolidSurface& fit) {
     return Error{trial.loss + ": it is thinner than a lattice of " + inThreeDigits(trial.spacing) +
                  " m can follow, or oriented inward; take a smaller spacing or more points"};
   fitSurface(trial.mesh, fit);
+  separatePoints(trial.mesh);
   return std::move(trial.mesh);
 }
 

@@ -83,6 +83,9 @@ TetrahedralMesh fillLattice(const BccLattice& lattice, const TriangleBvh& surfac
 /// Drops points that no tetrahedron uses any more, and sets the surface.
 void makeManifold(TetrahedralMesh& mesh, double minVolume);
 
+/// Moves points at the same place, as those where parts of a solid touch, a little into their own tetrahedra.
+void separatePoints(TetrahedralMesh& mesh);
+
 /// Returns for each tetrahedron the number of its piece. Tetrahedra that share a face are of one piece. The
 /// pieces are numbered in the order of their first tetrahedra.
 std::vector<std::uint32_t> findPieces(const std::vector<Tetrahedron>& tetrahedra);

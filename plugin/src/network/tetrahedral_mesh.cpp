@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 namespace limber {
@@ -254,6 +255,27 @@ std::vector<std::uint32_t> findPieces(const std::vector<Tetrahedron>& tetrahedra
     ++pieces;
   }
   return piece;
+}
+
+void separatePoints(TetrahedralMesh& mesh) {
+  constexpr double kMoved = 0.05;  // of the way to the middle of the tetrahedra
+  const std::vector<Vector3d> places = mesh.points;
+  const std::vector<Indices> at = elementsOfPoints(places.size(), mesh.tetrahedra);
+  Indices order(places.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t i) {
+    return std::make_tuple(places[i].x(), places[i].y(), places[i].z());
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  const auto isSame = [&](std::size_t i, std::size_t j) { return places[order[i]] == places[order[j]]; };
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (!(i + 1 < order.size() && isSame(i, i + 1)) && !(i > 0 && isSame(i, i - 1))) continue;
+    const std::uint32_t point = order[i];
+    Vector3d sum = Vector3d::Zero();
+    for (const std::uint32_t t : at[point])
+      for (const std::uint32_t corner : mesh.tetrahedra[t]) sum += 0.25 * (places[corner] - places[point]);
+    mesh.points[point] += kMoved / static_cast<double>(at[point].size()) * sum;
+  }
 }
 
 void makeManifold(TetrahedralMesh& mesh, double minVolume) {
