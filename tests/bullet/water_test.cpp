@@ -91,7 +91,8 @@ TEST_F(WaterTest, itBobsAlikeWithMassesOfTheUsers) {
   setWater(0.0);
   double heights[2][60];
   for (const bool own : {false, true}) {
-    SoftBodySettings s = stiffSolid(own ? 1.0 : 500.0);
+    SoftBodySettings s = stiffSolid(500.0);
+    if (own) s.totalMass = 1.0;
     s.flow.drag = s.flow.linearDrag = 0.0;
     s.position = {5.0 * own, 1.0, 0};
     SoftBody* cube = add(solidOf(small_meshes::cube(1)), s);
