@@ -167,8 +167,8 @@ class LIMBER_API SoftBody {
   /// another sign of a `scale`.
   Result<void> change(const SoftBodySettings& settings);
 
-  /// Returns the place of the body: the centre of mass of all points, pinned ones included, and the rotation
-  /// that brings the rest shape nearest to the present one.
+  /// Returns the place of the body: the centre of mass of all points, pinned ones included, with the masses
+  /// of the settings, and the rotation that brings the rest shape nearest to the present one.
   btTransform transform() const;
   /// Moves the body, pinned points included, to this transform() at once. Its deformation, velocity and
   /// angular velocity stay; the displacement gives it no velocity. Attached points are pulled back by their
@@ -268,9 +268,10 @@ class LIMBER_API SoftBody {
   /// of the substep length (root mean square over the points). It is the value of the last tick, or a larger
   /// earlier one that decays over a quarter of a second. Contacts are not included.
   double errorPerSecond() const;
-  /// Returns an upper bound, in rad/s, of the body's fastest oscillation at any deformation. Substeps are
-  /// short enough to be stable for this bound, and as exact as Stepping::periodTolerance requires for the
-  /// fastest oscillation about the rest shape. 0 before the first tick.
+  /// Returns an upper bound, in rad/s, of the fastest oscillation of the body's springs at any deformation.
+  /// Substeps are short enough to be stable for this bound, with volumes, tetrahedra and links added, and as
+  /// exact as Stepping::periodTolerance requires for the fastest oscillation about the rest shape. 0 before
+  /// the first tick.
   double frequencyBound() const;
 
   /// Returns the contacts of the last tick with their impulses (contacts.h): all that had an impulse, and
