@@ -173,7 +173,8 @@ LIMBER_API Result<void> validate(const Material& material);
 ///   equilateral triangles, and up to a half too stiff for stretched cells.
 /// - Ropes: E A = sum k l^2 / L  with the section A and the length L. Ropes and sheets also get a point
 ///   radius of half their thickness, if `settings` have none.
-/// Errors: a rope or sheet without a thickness, a solid that is open; a value out of range.
+/// Errors: a rope or sheet without a thickness; a solid whose surface is open, or has triangles that face
+/// different sides; a value out of range.
 LIMBER_API Result<SoftBodySettings> withMaterial(const SpringNetwork& network, const Material& material,
                                                  SoftBodySettings settings = {});
 

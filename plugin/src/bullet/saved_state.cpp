@@ -302,12 +302,27 @@ void saveSprings(const SoftBodyData& body, BodyState& s) {
   s.softenedMass = numbersOf(body.softening->inverseMass);
 }
 
-void saveImpulses(const SoftBodyData& body, BodyState& s) {
+/// Adds the index of an object in the world. Returns false if it has left the world; then it may be deleted.
+bool addIndex(const SoftBodyData& body, const btCollisionObject* object,
+              std::vector<std::uint64_t>& indices) {
   const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
+  const int index = objects.findLinearSearch(const_cast<btCollisionObject*>(object));
+  if (index >= objects.size()) return false;
+  indices.push_back(static_cast<std::uint64_t>(index));
+  return true;
+}
+
+/// Returns the object with this index in the world, or nullptr.
+btCollisionObject* objectAt(const SoftBodyData& body, std::uint64_t index) {
+  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
+  if (index >= static_cast<std::uint64_t>(objects.size())) return nullptr;
+  btCollisionObject* object = objects[static_cast<int>(index)];
+  return object->getBroadphaseHandle() ? object : nullptr;
+}
+
+void saveImpulses(const SoftBodyData& body, BodyState& s) {
   for (const StoredImpulse& stored : body.storedImpulses) {
-    const int index = objects.findLinearSearch(const_cast<btCollisionObject*>(stored.object));
-    if (index >= objects.size()) continue;
-    s.touched.push_back(static_cast<std::uint64_t>(index));
+    if (!addIndex(body, stored.object, s.touched)) continue;
     s.key.push_back(stored.key);
     const ContactImpulse& j = stored.impulse;
     s.impulse.insert(s.impulse.end(), {j.along, j.across.x(), j.across.y(), j.across.z()});
@@ -316,11 +331,8 @@ void saveImpulses(const SoftBodyData& body, BodyState& s) {
 
 /// Saves where static and kinematic objects near the body were: those that come are tested for overlaps.
 void saveNear(const SoftBodyData& body, BodyState& s) {
-  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
   for (const HeldPartner& held : body.heldPartners) {
-    const int index = objects.findLinearSearch(const_cast<btCollisionObject*>(held.handle.object));
-    if (index >= objects.size()) continue;
-    s.near.push_back(static_cast<std::uint64_t>(index));
+    if (!addIndex(body, held.handle.object, s.near)) continue;
     for (const Eigen::Vector3d& corner : {held.box.min(), held.box.max()})
       s.nearBox.insert(s.nearBox.end(), corner.data(), corner.data() + 3);
   }
@@ -340,13 +352,10 @@ void forEachNumber(Contact& c, Visit visit) {
 
 /// Contacts with objects that have left the world are left out.
 void saveContacts(SoftBodyData& body, BodyState& s) {
-  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
   const std::vector<SoftContact>& contacts = readReport(body);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const SoftContact& c = contacts[i];
-    const int index = objects.findLinearSearch(const_cast<btCollisionObject*>(c.other));
-    if (index >= objects.size()) continue;
-    s.other.push_back(static_cast<std::uint64_t>(index));
+    if (!addIndex(body, c.other, s.other)) continue;
     for (const ContactSide* side : {&c.side, &c.otherSide}) {
       s.sides.push_back(side->triangle);
       s.sides.insert(s.sides.end(), side->points.begin(), side->points.end());
@@ -453,11 +462,9 @@ void restoreSprings(SoftBodyData& body, const BodyState& s) {
 
 void restoreImpulses(SoftBodyData& body, const BodyState& s) {
   body.storedImpulses.clear();
-  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
   for (std::size_t i = 0; i < s.touched.size(); ++i) {
-    if (s.touched[i] >= static_cast<std::uint64_t>(objects.size())) continue;
-    const btCollisionObject* object = objects[static_cast<int>(s.touched[i])];
-    if (!object->getBroadphaseHandle()) continue;
+    const btCollisionObject* object = objectAt(body, s.touched[i]);
+    if (!object) continue;
     const double* j = s.impulse.data() + 4 * i;
     body.storedImpulses.push_back({object->getBroadphaseHandle()->m_uniqueId, object, s.key[i],
                                    ContactImpulse{j[0], Eigen::Vector3d(j[1], j[2], j[3])}});
@@ -467,11 +474,9 @@ void restoreImpulses(SoftBodyData& body, const BodyState& s) {
 
 void restoreNear(SoftBodyData& body, const BodyState& s) {
   body.heldPartners.clear();
-  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
   for (std::size_t i = 0; i < s.near.size(); ++i) {
-    if (s.near[i] >= static_cast<std::uint64_t>(objects.size())) continue;
-    const btCollisionObject* object = objects[static_cast<int>(s.near[i])];
-    if (!object->getBroadphaseHandle()) continue;
+    const btCollisionObject* object = objectAt(body, s.near[i]);
+    if (!object) continue;
     const Eigen::Map<const Eigen::Vector3d> low(s.nearBox.data() + 6 * i), high(low.data() + 3);
     HeldPartner& held = body.heldPartners.emplace_back();
     held.handle = handleOf(*object);
@@ -494,13 +499,11 @@ void restoreContacts(SoftBodyData& body, const BodyState& s) {
   ContactReport& report = body.report;
   report = ContactReport();
   report.hasTriangles = true;
-  const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
   for (std::size_t i = 0; i < s.other.size(); ++i) {
-    if (s.other[i] >= static_cast<std::uint64_t>(objects.size())) continue;
     SoftContact c;
     c.body = body.handle;
-    c.other = objects[static_cast<int>(s.other[i])];
-    if (!c.other->getBroadphaseHandle()) continue;
+    c.other = objectAt(body, s.other[i]);
+    if (!c.other) continue;
     c.otherBody = findPoint(c.other).body ? findPoint(c.other).body : findSurface(c.other).body;
     const std::uint32_t* at = s.sides.data() + kSideNumbers * i;
     for (ContactSide* side : {&c.side, &c.otherSide}) {

@@ -198,9 +198,9 @@ double leastQuality(const CollapsibleSurface& surface, std::uint32_t a, std::uin
   return kMuchWorse * worst;
 }
 
-/// Checks the remaining triangles of `moved`.
+/// Checks the remaining triangles of `moved`, whose quality must be at least `least`.
 bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::uint32_t other,
-                 const Vector3d& position, double leastQuality) {
+                 const Vector3d& position, double least) {
   for (const std::uint32_t i : surface.trianglesOf[moved]) {
     const Triangle& t = surface.triangles[i];
     if (contains(t, other)) continue;
@@ -212,7 +212,7 @@ bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::ui
     const Vector3d oldArea = areaVector(before[0], before[1], before[2]);
     const Vector3d newArea = areaVector(after[0], after[1], after[2]);
     if (oldArea.dot(newArea) <= kMinRotationCosine * oldArea.norm() * newArea.norm()) return false;
-    if (quality(after[0], after[1], after[2]) < leastQuality) return false;
+    if (quality(after[0], after[1], after[2]) < least) return false;
   }
   return true;
 }
