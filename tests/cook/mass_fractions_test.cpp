@@ -31,7 +31,7 @@ WeldedMesh withInnerPoints(const TriangleMesh& mesh, double spacing, double half
     for (int y = -cells; y <= cells; ++y) {
       for (int z = -cells; z <= cells; ++z) {
         const Vector3d p = spacing * Vector3d(x, y, z);
-        if (bvh.signedDistance(p) < -0.3 * spacing) filled.points.push_back(p);
+        if (bvh.inside(p) && bvh.nearest(p).distance > 0.3 * spacing) filled.points.push_back(p);
       }
     }
   }

@@ -124,12 +124,13 @@ TEST(TriangleBvh, windingNumber) {
   }
 }
 
-TEST(TriangleBvh, signedDistanceOfASphere) {
+TEST(TriangleBvh, distanceFromASphereAndItsInside) {
   const TriangleBvh bvh = bvhOf(welded(small_meshes::icosphere(4)));
   // 2 562 points: the triangles are up to 1.3e-3 below the sphere
   for (int i = 0; i < 300; ++i) {
     const Vector3d p = evenPoint(i, 1.2);
-    EXPECT_NEAR(bvh.signedDistance(p), p.norm() - 1.0, 2e-3);
+    const double distance = bvh.nearest(p).distance;
+    EXPECT_NEAR(bvh.inside(p) ? -distance : distance, p.norm() - 1.0, 2e-3);
   }
 }
 

@@ -242,11 +242,6 @@ double TriangleBvh::windingNumber(const Vector3d& position) const {
   return angle / (4.0 * kPi);
 }
 
-double TriangleBvh::signedDistance(const Vector3d& position) const {
-  const double distance = nearest(position).distance;
-  return inside(position) ? -distance : distance;
-}
-
 bool TriangleBvh::isInsideOrNear(const Vector3d& position, double tolerance) const {
   return nearestWithin(position, tolerance) || inside(position);
 }

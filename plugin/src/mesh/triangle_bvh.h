@@ -55,9 +55,6 @@ class TriangleBvh {
   double windingNumber(const Eigen::Vector3d& position) const;
   bool inside(const Eigen::Vector3d& position) const { return windingNumber(position) > 0.5; }
 
-  /// Returns the distance from the surface (m), negative inside.
-  double signedDistance(const Eigen::Vector3d& position) const;
-
   /// Returns whether the segment between two points of the surface stays inside it. Chords in the surface (in
   /// a flat face) do. A hundredth of the length at each end is ignored. `tolerance` (m) is the largest
   /// distance by which the segment may leave the surface.

@@ -127,36 +127,66 @@ bool isUniform(const Source& source, const Grid& grid, const Vector3i& low, cons
   return inside == 0 || inside == 8;
 }
 
-/// Returns the value of a neighbour on the same side of a closed surface, which is farther than a cell away;
-/// 0: there is none in the block that starts at `low`.
-double sameSide(const Grid& grid, const std::vector<double>& values, const Vector3i& low, const Vector3i& n) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (n[axis] == low[axis]) continue;
-    const double value = values[grid.index(n - Vector3i::Unit(axis))];
-    if (std::abs(value) > grid.width) return value;
-  }
-  return 0.0;
-}
-
-/// Sets the values of the nodes from `low` to `high` one by one. Winding numbers are only computed where
-/// neighbours do not tell the side.
-void sampleBlock(const Source& source, const Grid& grid, const Vector3i& low, const Vector3i& high,
-                 std::vector<double>& values) {
-  forEachNode(low, high, [&](const Vector3i& n) {
-    const Vector3d p = grid.position(n);
-    const double side = source.isClosed ? sameSide(grid, values, low, n) : 0.0;
-    const double excess = side == 0.0 ? 0.5 - source.bvh.windingNumber(p) : std::copysign(0.5, side);
-    values[grid.index(n)] = solidValue(source, p, excess);
-  });
-}
-
 /// Returns the value of each node. Values of blocks far from the surface are bounds.
-std::vector<double> sampleSolid(const Source& source, const Grid& grid) {
+std::vector<double> sampleOpen(const Source& source, const Grid& grid) {
   std::vector<double> values(grid.size());
   forEachBlock(grid, [&](const Vector3i& low, const Vector3i& high) {
     double value = 0.0;
-    if (!isUniform(source, grid, low, high, value)) return sampleBlock(source, grid, low, high, values);
-    forEachNode(low, high, [&](const Vector3i& n) { values[grid.index(n)] = value; });
+    const bool isSame = isUniform(source, grid, low, high, value);
+    forEachNode(low, high, [&](const Vector3i& n) {
+      const Vector3d p = grid.position(n);
+      values[grid.index(n)] = isSame ? value : solidValue(source, p, 0.5 - source.bvh.windingNumber(p));
+    });
+  });
+  return values;
+}
+
+/// Returns the distance of each node from the surface, m, or a lower bound of more than a cell.
+std::vector<double> sampleDistances(const Source& source, const Grid& grid) {
+  std::vector<double> distances(grid.size());
+  forEachBlock(grid, [&](const Vector3i& low, const Vector3i& high) {
+    const Vector3d a = grid.position(low), b = grid.position(high);
+    const double ofBlock = source.bvh.nearest(0.5 * (a + b)).distance - 0.5 * (b - a).norm();
+    forEachNode(low, high, [&](const Vector3i& n) {
+      distances[grid.index(n)] =
+          ofBlock < grid.width ? std::abs(solidValue(source, grid.position(n), 0.5)) : ofBlock;
+    });
+  });
+  return distances;
+}
+
+/// Neighbours whose distances from a closed surface add up to more than this many cells are linked: it does
+/// not pass between them, or by rounding only.
+constexpr double kLinked = 1.001;
+
+/// Makes the value of the node and of all nodes that are linked to it negative if it is inside.
+void spreadSide(const Source& source, const Grid& grid, const Vector3i& from, std::vector<char>& known,
+                std::vector<double>& values) {
+  const double sign = source.bvh.inside(grid.position(from)) ? -1.0 : 1.0;
+  std::vector<Vector3i> waiting{from};
+  known[grid.index(from)] = 1;
+  while (!waiting.empty()) {
+    const Vector3i n = waiting.back();
+    waiting.pop_back();
+    double& value = values[grid.index(n)];
+    for (int side = 0; side < 6; ++side) {
+      const Vector3i next = n + (side % 2 == 0 ? 1 : -1) * Vector3i::Unit(side / 2);
+      if ((next.array() < 0).any() || (next.array() >= grid.nodes.array()).any()) continue;
+      const std::size_t i = grid.index(next);
+      if (known[i] || !(value + values[i] > kLinked * grid.width)) continue;
+      known[i] = 1;
+      waiting.push_back(next);
+    }
+    value *= sign;
+  }
+}
+
+/// The same as sampleOpen() for a closed surface: few winding numbers tell the sides of all nodes.
+std::vector<double> sampleClosed(const Source& source, const Grid& grid) {
+  std::vector<double> values = sampleDistances(source, grid);
+  std::vector<char> known(values.size(), 0);
+  forEachNode(Vector3i::Zero(), grid.nodes.array() - 1, [&](const Vector3i& n) {
+    if (!known[grid.index(n)]) spreadSide(source, grid, n, known, values);
   });
   return values;
 }
@@ -574,7 +604,7 @@ Result<WrappedMesh> wrapOfField(const TriangleMesh& mesh, const WrapSettings& se
   wrapped.resolution = source->resolution;
   wrapped.thickness = source->thickness;
   wrapped.join = source->join;
-  std::vector<double> values = sampleSolid(*source, *grid);
+  std::vector<double> values = source->isClosed ? sampleClosed(*source, *grid) : sampleOpen(*source, *grid);
   distrustInsides(*grid, values);
   Soup thin = findThinParts(*source, {*grid, values}, wrapped.thinFraction);
   addPinches(*source, {*grid, values}, thin);

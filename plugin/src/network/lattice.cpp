@@ -115,8 +115,11 @@ constexpr double kWarpLong = 0.24999, kWarpShort = 0.41189;
 /// A site within this distance from the surface, in spacings, is on it.
 constexpr double kOnSurface = 1e-6;
 
+/// Distances from the surface are computed up to this many spacings: farther ones cost more than they save.
+constexpr double kReach = 3.0;
+
 /// From site to site of a row the distance to the surface changes by the spacing at most, so most sites need
-/// no query.
+/// no query. Sites whose distances add up to more than the spacing are on the same side.
 void findSides(CutLattice& cut, const TriangleBvh& surface) {
   const double spacing = cut.lattice.spacing[0];
   const auto row = 2 * static_cast<std::uint32_t>(cut.lattice.cells[0]);
@@ -124,14 +127,17 @@ void findSides(CutLattice& cut, const TriangleBvh& surface) {
   std::array<double, 2> clearance{};
   for (std::uint32_t site = 0; site < cut.lattice.size(); ++site) {
     double& c = clearance[site % 2];
-    if (site % row >= 2 && c > spacing) {
-      c -= spacing;
-      cut.side[site] = cut.side[site - 2];
-      continue;
+    const std::int8_t last = site % row >= 2 ? cut.side[site - 2] : std::int8_t{0};
+    const double before = last != 0 ? c : 0.0;
+    c = before - spacing;
+    if (!(c > 0.0)) {
+      const TriangleHit hit = surface.nearestWithin(cut.positions[site], kReach * spacing);
+      c = hit ? hit.distance : kReach * spacing;
     }
-    const double distance = surface.signedDistance(cut.positions[site]);
-    c = std::abs(distance);
-    cut.side[site] = static_cast<std::int8_t>(c <= kOnSurface * spacing ? 0 : distance < 0.0 ? 1 : -1);
+    if (last != 0 && before + c > spacing)
+      cut.side[site] = last;
+    else if (c > kOnSurface * spacing)
+      cut.side[site] = surface.inside(cut.positions[site]) ? 1 : -1;
   }
 }
 
