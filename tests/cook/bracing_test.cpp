@@ -185,11 +185,7 @@ TEST(TwoRing, joinsAllThatShareANeighbour) {
 
 // --- the choice among many pairs ---------------------------------------------------------------------------
 
-BracedPiece pieceOf(const TriangleMesh& mesh) {
-  SpringNetwork network = *network_shapes::bare(mesh);
-  InsideChords chords(network.restPoints, network.surface, uniqueEdges(network.surface));
-  return {std::move(network), std::move(chords), 0.3, 1000, {}};
-}
+BracedPiece pieceOf(const TriangleMesh& mesh) { return {*network_shapes::bare(mesh), 0.3, 1000}; }
 
 BraceChoice randomChoice(const BracedPiece& piece, std::size_t purposes) {
   BraceChoice choice(purposes, candidatePairs(piece, 100000, 1));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Braces are springs that keep the shape of a body. This header declares the rules that find them and the
-// piece of a body that is being braced.
+// pieces of a body.
 #pragma once
 
 #include "mesh/surface.h"
@@ -30,9 +30,8 @@ std::vector<Edge> findTwoRingPairs(std::size_t points, const std::vector<Edge>& 
 /// stays inside. Tests the chord of each pair at most once.
 class InsideChords {
  public:
-  /// The triangles face outwards. `edges` are the existing springs.
-  InsideChords(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles,
-               const std::vector<Edge>& edges);
+  /// The surface faces outwards.
+  explicit InsideChords(const SpringNetwork& network);
 
   const TriangleBvh& surface() const { return surface_; }
   double size() const { return size_; }  ///< m, the largest extent
@@ -53,10 +52,10 @@ class InsideChords {
 /// A piece of a body that is being braced.
 struct BracedPiece {
   SpringNetwork network;  ///< points, springs and a surface that faces outwards; no masses, no render surface
-  InsideChords chords;
-  double weight = 1.0;        ///< stiffnessScale of a brace
+  double weight = 1.0;    ///< stiffnessScale of a brace
   std::size_t maxBraces = 0;  ///< limit for the whole piece
-  std::vector<Edge> braces;   ///< in the order they were added
+  InsideChords chords{network};
+  std::vector<Edge> braces{};  ///< in the order they were added
 
   bool full() const { return braces.size() >= maxBraces; }
 };
@@ -98,25 +97,16 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t maxPairs,
 /// bracing: 1e-3. For many points it is lower, as is the ratio of a solid ball.
 double minModeRatio(std::size_t points);
 
-/// One connected piece of a surface, the input of bracePiece().
-struct PieceToBrace {
+/// One connected piece of a mesh.
+struct MeshPiece {
+  std::vector<std::uint32_t> ofMesh;  ///< #points, their indices in the mesh, ascending
   std::vector<Eigen::Vector3d> points;
   std::vector<Triangle> triangles;
   std::vector<Edge> edges;  ///< of the triangles; sorted, unique
-  bool closed = false;      ///< every edge has two triangles that run through it in opposite directions
 };
 
-/// With a lower weight, a body is a skin that is stiff against bending around a soft inside. The arms of an L
-/// resist opening 1.6 times as much as those of a solid of the same bulk modulus at 0.3, and 1.4 times at
-/// 0.5.
-constexpr double kPipelineWeight = 0.5;
-
-struct BracingSettings {
-  double weight = kPipelineWeight;  ///< stiffnessScale of a brace
-  double maxBracesPerPoint = 1.5;
-  std::uint64_t seed = 1;
-  ParallelFor parallel;  ///< may be empty
-};
+/// Returns the stiffnessScale of a brace.
+double braceWeight(const NetworkSettings& settings);
 
 /// Returns the braces of BraceRule::Pipeline, sorted:
 ///
@@ -127,7 +117,6 @@ struct BracingSettings {
 /// All braces are inside the body. A piece without an inside (flat, or so open that few chords are inside)
 /// gets the braces of BraceRule::TwoRing instead, without the limit. Once `goOn` has returned false, it must
 /// return false in all later calls; the braces found so far are returned.
-std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& settings,
-                             const Progress& goOn);
+std::vector<Edge> bracePiece(const MeshPiece& piece, const NetworkSettings& settings, const Progress& goOn);
 
 }  // namespace limber

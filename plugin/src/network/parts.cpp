@@ -43,11 +43,10 @@ struct Shells {
 };
 
 Shells findShells(const TriangleMesh& wrapped) {
-  const std::vector<std::vector<Triangle>> triangles = trianglesOfPieces(wrapped);
+  const std::vector<std::vector<Triangle>> triangles =
+      trianglesOfPieces(wrapped.positions.size(), wrapped.triangles);
   std::vector<double> volume;
-  volume.reserve(triangles.size());
-  for (const std::vector<Triangle>& piece : triangles)
-    volume.push_back(signedVolume(wrapped.positions, piece));
+  for (const auto& piece : triangles) volume.push_back(signedVolume(wrapped.positions, piece));
   std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -111,12 +110,6 @@ std::vector<Triangle> withoutCrumbs(const TriangleMesh& mesh, const WeldedMesh& 
   return kept;
 }
 
-/// Returns the distance (m) up to which wrap() joins pieces of the mesh.
-double joinOf(const WrapSettings& settings, const TriangleMesh& mesh) {
-  if (settings.join > 0.0) return settings.join;
-  return kWrapWidths * (settings.resolution > 0.0 ? settings.resolution : extent(mesh) / kWrapCells);
-}
-
 void leaveOutTinyOnes(std::vector<Part>& parts) {
   double largest = 0.0;
   for (const Part& part : parts) largest = std::max(largest, extent(part.welded.points));
@@ -138,7 +131,8 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
   Result<Part> whole = makePart(mesh);
   if (!whole) return Error{whole.error()};
   if (whole->welded.report.components > 1 && mayBeApart) {
-    std::vector<Triangle> kept = withoutCrumbs(mesh, whole->welded, joinOf(settings, mesh));
+    const double join = withDefaults(settings, extent(mesh)).join;
+    std::vector<Triangle> kept = withoutCrumbs(mesh, whole->welded, join);
     if (kept.size() < whole->welded.triangles.size())
       return splitIntoParts(partOf(mesh, std::move(kept)), settings, mayBeApart);
     const Result<WrappedMesh> wrapped = wrapOfField(mesh, settings, "wrap.");
@@ -166,18 +160,13 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
 Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, double thickness) {
   settings.connect = true;
   if (settings.resolution == 0.0) {
-    const double cell = extent(mesh) / kWrapCells;
-    settings.resolution = std::max(cell, thickness / kCellsPerThickness);
-    if (settings.thickness == 0.0) settings.thickness = kWrapWidths * cell;
-    if (settings.join == 0.0) settings.join = kWrapWidths * cell;
+    settings = withDefaults(settings, extent(mesh));
+    settings.resolution = std::max(settings.resolution, thickness / kCellsPerThickness);
   }
   settings.thickness = std::max(settings.thickness, thickness);
   const Result<WrappedMesh> result = wrapOfField(mesh, settings, "wrap.");
   if (!result) return Error{result.error()};
-  TriangleMesh outside;
-  outside.positions = result->mesh.positions;
-  outside.triangles = findShells(result->mesh).triangles;
-  return weld(outside);
+  return weld(meshOf(result->mesh.positions, findShells(result->mesh).triangles));
 }
 
 namespace {
@@ -207,25 +196,14 @@ constexpr double kPlateArea = 0.8;
 /// Stiffness of the springs between second neighbours, which resist bending, relative to the edges.
 constexpr double kSheetBending = 0.1;
 
-double areaOf(const WeldedMesh& mesh) {
-  double area = 0.0;
-  for (const Triangle& t : mesh.triangles)
-    area += areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]).norm();
-  return area;
-}
-
 /// Returns the length (m) of the edges of only one triangle.
 double borderLength(const WeldedMesh& mesh) {
   double length = 0.0;
-  forEachEdge(mesh.triangles, [&](const Edge& edge, std::size_t uses) {
-    if (uses == 1) length += (mesh.points[edge[0]] - mesh.points[edge[1]]).norm();
+  forEachEdge(mesh.triangles, [&](const Side* sides, std::size_t uses) {
+    if (uses == 1) length += (mesh.points[sides->edge[0]] - mesh.points[sides->edge[1]]).norm();
   });
   return length;
 }
-
-}  // namespace
-
-namespace {
 
 Vector3d sizeAlong(const Eigen::Matrix3d& axes, const std::vector<Vector3d>& points) {
   Eigen::AlignedBox3d box;
@@ -270,6 +248,16 @@ FlatBox flatBoxOf(const std::vector<Vector3d>& points) {
   return {axes, sizeAlong(axes, points)};
 }
 
+double facingShare(const WeldedMesh& mesh, const Vector3d& normal) {
+  double area = 0.0, facing = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vector3d vector = areaVector(mesh.points, t);
+    area += vector.norm();
+    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
+  }
+  return facing / area;
+}
+
 namespace {
 
 /// Returns the part of a closed plate that faces along the normal, moved to the middle of the plate. Sets the
@@ -280,7 +268,7 @@ TriangleMesh middleOf(const TriangleMesh& mesh, const WeldedMesh& welded, const 
   double area = 0.0;
   for (const std::uint32_t kept : welded.keptTriangles) {
     const Triangle& t = mesh.triangles[kept];
-    const Vector3d vector = areaVector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+    const Vector3d vector = areaVector(mesh.positions, t);
     if (!(vector.normalized().dot(normal) > 0.5)) continue;
     triangles.push_back(t);
     area += vector.norm();
@@ -294,9 +282,8 @@ TriangleMesh middleOf(const TriangleMesh& mesh, const WeldedMesh& welded, const 
 
 double longestEdge(const TriangleMesh& mesh) {
   double longest = 0.0;
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t i = 0; i < 3; ++i)
-      longest = std::max(longest, (mesh.positions[t[i]] - mesh.positions[t[(i + 1) % 3]]).norm());
+  for (const Edge& e : uniqueEdges(mesh.triangles))
+    longest = std::max(longest, (mesh.positions[e[0]] - mesh.positions[e[1]]).norm());
   return longest;
 }
 
@@ -361,20 +348,6 @@ SharedNetwork buildSheet(const TriangleMesh& anySides, double thickness, std::si
   return cloth;
 }
 
-}  // namespace
-
-double facingShare(const WeldedMesh& mesh, const Vector3d& normal) {
-  double area = 0.0, facing = 0.0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vector3d vector = areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
-    area += vector.norm();
-    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
-  }
-  return facing / area;
-}
-
-namespace {
-
 /// Returns whether an open mesh encloses what is below it, because its openings have no area: neighbouring
 /// faces have other vertices on their common edge.
 bool isClosedInEffect(const WeldedMesh& mesh) {
@@ -384,11 +357,9 @@ bool isClosedInEffect(const WeldedMesh& mesh) {
   flip(triangles, patchesFacingInward(mesh.points, triangles));
   const TriangleBvh bvh(mesh.points, triangles);
   for (std::size_t i = 0; i < triangles.size(); i += 1 + triangles.size() / kSamples) {
-    const Vector3d &a = mesh.points[triangles[i][0]], &b = mesh.points[triangles[i][1]],
-                   &c = mesh.points[triangles[i][2]];
-    const Vector3d vector = areaVector(a, b, c),
+    const Vector3d vector = areaVector(mesh.points, triangles[i]),
                    below = -1e-3 * std::sqrt(vector.norm()) * vector.normalized();
-    if (bvh.windingNumber((a + b + c) / 3.0 + below) < kEnclosed) return false;
+    if (bvh.windingNumber(centroid(mesh.points, triangles[i]) + below) < kEnclosed) return false;
   }
   return true;
 }
@@ -398,7 +369,8 @@ bool isClosedInEffect(const WeldedMesh& mesh) {
 SharedNetwork sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
   if (welded.report.components != 1) return nullptr;
   const FlatBox box = flatBoxOf(welded.points);
-  const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded), border = borderLength(welded);
+  const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded.points, welded.triangles),
+               border = borderLength(welded);
   const bool isFlat = box.size.z() < kFlat * size && facingShare(welded, box.axes.col(2)) > kPlateArea;
   if (isFlat && welded.report.watertight()) {
     double thickness = 0.0;
@@ -510,10 +482,11 @@ double roundRadius(const WeldedMesh& welded, const std::vector<Vector3d>& axis, 
 
 SharedNetwork ropeOf(const WeldedMesh& welded) {
   if (welded.report.components != 1) return nullptr;
-  const Links links = edgeLinks(welded.points, welded.triangles);
+  const Links links = edgeLinks(welded.points, uniqueEdges(welded.triangles));
   const std::uint32_t end = farthest(shortestPaths(links, welded.triangles[0][0], HUGE_VAL));
   const std::vector<double> length = shortestPaths(links, end, HUGE_VAL);
-  const double total = length[farthest(length)], radius = areaOf(welded) / (2.0 * kPi * total);
+  const double total = length[farthest(length)],
+               radius = areaOf(welded.points, welded.triangles) / (2.0 * kPi * total);
   if (!(total > 2.0 * kRopeLength * radius)) return nullptr;
   RopeSettings settings;
   settings.length = total;
