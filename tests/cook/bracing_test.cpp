@@ -19,6 +19,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 namespace limber {
 namespace {
@@ -129,6 +131,21 @@ TEST(Bracing, reportsProgressAndEndsEarly) {
   settings.progress = [&](const char*, double) { return ++calls < 3; };
   build(network_shapes::cube26(), settings);
   EXPECT_EQ(calls, 3) << "once told to end, it asks no more";
+}
+
+/// A round takes many seconds for thousands of points.
+TEST(Bracing, asksForProgressWithinRounds) {
+  NetworkSettings settings;
+  std::set<double> rounds;
+  std::size_t calls = 0;
+  settings.progress = [&](const std::string& what, double done) {
+    if (what != "bracing: soft modes") return what != "bracing: wrong shapes";
+    rounds.insert(done);
+    ++calls;
+    return true;
+  };
+  build(network_shapes::cube98(), settings);
+  EXPECT_GT(calls, 3 * rounds.size());
 }
 
 TEST(Bracing, endsWhenTheTimeIsOver) {

@@ -325,6 +325,18 @@ TEST(Cook, crumbsAreLeftOut) {
   EXPECT_EQ(withCrumbs.bodies[0]->restPoints, cookedAlone.bodies[0]->restPoints);
 }
 
+TEST(Cook, bothProgressFunctionsAreAsked) {
+  CookSettings settings;
+  settings.mode = CookMode::Braces;
+  settings.points = 30;
+  int whole = 0, ofBraces = 0;
+  settings.progress = [&](const char*, double) { return ++whole > 0; };
+  settings.network.progress = [&](const char*, double) { return ++ofBraces < 3; };
+  cooked(ball(Vector3d::Zero()), settings);
+  EXPECT_GT(whole, 3);
+  EXPECT_EQ(ofBraces, 3) << "once told to end, it asks no more";
+}
+
 TEST(Cook, sheetsBecomeClothAndTubesRopes) {
   for (const double wave : {0.0, 0.15}) {
     const CookedMesh cloth = cooked(flag(wave));

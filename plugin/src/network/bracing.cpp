@@ -214,12 +214,13 @@ BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_
 /// by the inverse square of the eigenvalue. The other modes are large motions of the body, such as the
 /// opening of the arms of an L; braces should not restrict them.
 bool braceModes(BracedPiece& piece, const Modes& modes, double minEigenvalue, double goal, std::size_t cap,
-                std::uint64_t seed) {
+                std::uint64_t seed, const std::function<bool()>& goOn) {
+  if (!goOn()) return false;
   BraceChoice choice = stretches(piece, modes, seed);
   Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
   const Eigen::VectorXf tooSoft = (modes.eigenvalues.array() < minEigenvalue).cast<float>();
   bool added = false;
-  while (piece.braces.size() < cap) {
+  while (piece.braces.size() < cap && goOn()) {
     const Eigen::VectorXf weights =
         (eigenvalues.array() < static_cast<float>(goal))
             .select(tooSoft.array() * eigenvalues.array().square().inverse(), 0.0f)
@@ -246,14 +247,16 @@ Modes modesToBrace(const SpringNetwork& network) {
 void addSoftModeBraces(BracedPiece& piece, std::size_t maxBraces, std::uint64_t seed, const GoOn& goOn) {
   const std::size_t cap = std::min(maxBraces, piece.maxBraces);
   for (int round = 0; round < kMaxBraceRounds && piece.braces.size() < cap; ++round) {
-    if (!goOn(static_cast<double>(round) / kMaxBraceRounds)) return;
+    const auto keepGoing = [&] { return goOn(static_cast<double>(round) / kMaxBraceRounds); };
+    if (!keepGoing()) return;
     const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
     const double stiffest = stiffestEigenvalue(stiffnessMatrix(rigidityMatrix(piece.network)));
     const double minEigenvalue = minModeRatio(piece.network.restPoints.size()) * stiffest;
     if (modes.eigenvalues[0] >= minEigenvalue) return;
     const double goal = (isLarge(piece.network) ? kRoughGoalFactor : kGoalFactor) * minEigenvalue;
-    if (!braceModes(piece, modes, minEigenvalue, goal, cap, seed + static_cast<std::uint64_t>(round))) return;
+    const std::uint64_t roundSeed = seed + static_cast<std::uint64_t>(round);
+    if (!braceModes(piece, modes, minEigenvalue, goal, cap, roundSeed, keepGoing)) return;
   }
 }
 

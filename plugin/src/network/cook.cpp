@@ -421,7 +421,9 @@ Result<SpringNetwork> brace(Builder& builder, const Part& part) {
   const Result<TriangleMesh> coarse = coarseSurface(builder, part);
   if (!coarse) return Error{coarse.error()};
   NetworkSettings settings = builder.settings.network;
-  settings.progress = [&builder](const char* what, double done) { return builder.report(what, done); };
+  settings.progress = [&builder, own = settings.progress](const char* what, double done) {
+    return builder.report(what, done) && (!own || own(what, done));
+  };
   const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
   if (!network) return Error{network.error()};
   return **network;
