@@ -197,7 +197,8 @@ TEST(TwoRing, joinsAllThatShareANeighbour) {
   // one
   EXPECT_EQ(bracesOf(*build(small_meshes::icosphere(0), settings)).size(), 12u * 5u / 2u);
   EXPECT_EQ(bracesOf(*build(small_meshes::tetrahedron(), settings)).size(), 0u);
-  EXPECT_EQ(findTwoRingPairs(4, {{0, 1}, {1, 2}, {2, 3}}), (std::vector<Edge>{{0, 2}, {1, 3}}));
+  const std::vector<Eigen::Vector3d> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  EXPECT_EQ(findTwoRingPairs(line, {{0, 1}, {1, 2}, {2, 3}}), (std::vector<Edge>{{0, 2}, {1, 3}}));
 }
 
 // --- the choice among many pairs ---------------------------------------------------------------------------

@@ -18,17 +18,38 @@
 
 namespace limber {
 
-std::vector<Edge> findTwoRingPairs(std::size_t points, const std::vector<Edge>& edges) {
-  std::vector<std::vector<std::uint32_t>> neighbours(points);
+/// Returns the one of the neighbours of a point that is most nearly on its other side as seen from `a`.
+static std::uint32_t oppositeOf(std::uint32_t a, const std::vector<Eigen::Vector3d>& points,
+                                std::uint32_t point, const std::vector<std::uint32_t>& neighbours) {
+  const Eigen::Vector3d there = points[a] - points[point];
+  const auto cosine = [&](std::uint32_t b) {
+    return there.dot((points[b] - points[point]).normalized());  // times a constant
+  };
+  return *std::min_element(neighbours.begin(), neighbours.end(),
+                           [&](std::uint32_t b, std::uint32_t c) { return cosine(b) < cosine(c); });
+}
+
+std::vector<Edge> findTwoRingPairs(const std::vector<Eigen::Vector3d>& points, const std::vector<Edge>& edges,
+                                   std::size_t maxNeighbours) {
+  std::vector<std::vector<std::uint32_t>> neighbours(points.size());
   for (const Edge& e : edges) {
     neighbours[e[0]].push_back(e[1]);
     neighbours[e[1]].push_back(e[0]);
   }
   std::vector<Edge> pairs;
-  for (const std::vector<std::uint32_t>& around : neighbours)
-    for (const std::uint32_t a : around)
-      for (const std::uint32_t b : around)
-        if (a < b && !std::binary_search(edges.begin(), edges.end(), Edge{a, b})) pairs.push_back({a, b});
+  const auto add = [&](const Edge& pair) {
+    if (pair[0] < pair[1] && !std::binary_search(edges.begin(), edges.end(), pair)) pairs.push_back(pair);
+  };
+  for (std::uint32_t point = 0; point < points.size(); ++point) {
+    const std::vector<std::uint32_t>& around = neighbours[point];
+    for (const std::uint32_t a : around) {
+      if (around.size() > maxNeighbours) {
+        add(edgeBetween(a, oppositeOf(a, points, point, around)));
+        continue;
+      }
+      for (const std::uint32_t b : around) add({a, b});
+    }
+  }
   sortUnique(pairs);
   return pairs;
 }
@@ -496,7 +517,7 @@ double braceWeight(const NetworkSettings& settings) {
 
 std::vector<Edge> bracePiece(const MeshPiece& piece, const NetworkSettings& settings, const Progress& goOn) {
   const std::size_t points = piece.points.size();
-  if (thickness(piece.points) < kFlatPiece) return findTwoRingPairs(points, piece.edges);
+  if (thickness(piece.points) < kFlatPiece) return findTwoRingPairs(piece.points, piece.edges);
   if (!goOn("bracing: chords", 0.0)) return {};
   const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
   const double maxBraces =
@@ -504,7 +525,8 @@ std::vector<Edge> bracePiece(const MeshPiece& piece, const NetworkSettings& sett
   BracedPiece braced{bareNetwork(piece), braceWeight(settings), static_cast<std::size_t>(maxBraces)};
   addAntipodalBraces(braced);
   const bool fewChords = static_cast<double>(braced.braces.size()) < kMinChords * static_cast<double>(points);
-  if (fewChords && !findEdgeDefects(piece.triangles).none()) return findTwoRingPairs(points, piece.edges);
+  if (fewChords && !findEdgeDefects(piece.triangles).none())
+    return findTwoRingPairs(piece.points, piece.edges);
   const auto modeBraces = static_cast<std::size_t>(kShareForModes * maxBraces);
   addSoftModeBraces(braced, modeBraces, settings.seed,
                     [&](double done) { return goOn("bracing: soft modes", done); });

@@ -22,9 +22,11 @@ inline bool isBefore(const NetworkSpring& s, const NetworkSpring& t) {
   return s.a != t.a ? s.a < t.a : s.b < t.b;
 }
 
-/// Returns all pairs of the `points` points that share a neighbour but no edge, sorted. `edges` must be
-/// sorted and unique.
-std::vector<Edge> findTwoRingPairs(std::size_t points, const std::vector<Edge>& edges);
+/// Returns all pairs of points that share a neighbour but no edge, sorted. `edges` must be sorted and unique.
+/// Around points with more than `maxNeighbours`, whose pairs would be too many, each neighbour is only paired
+/// with the one opposite.
+std::vector<Edge> findTwoRingPairs(const std::vector<Eigen::Vector3d>& points, const std::vector<Edge>& edges,
+                                   std::size_t maxNeighbours = kNoPoint);
 
 /// Finds the pairs of points of a surface that a brace may still join: pairs without a spring whose chord
 /// stays inside. Tests the chord of each pair at most once.

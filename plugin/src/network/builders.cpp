@@ -307,7 +307,7 @@ std::vector<Edge> findBraces(const MeshPiece& piece, const NetworkSettings& sett
     case BraceRule::EqualLength:
       return findEqualLengthPairs(piece.points, piece.edges);
     case BraceRule::TwoRing:
-      return findTwoRingPairs(piece.points.size(), piece.edges);
+      return findTwoRingPairs(piece.points, piece.edges);
     case BraceRule::Pipeline:
       return bracePiece(piece, settings, goOn);
   }
