@@ -197,8 +197,10 @@ TEST(TwoRing, joinsAllThatShareANeighbour) {
   // one
   EXPECT_EQ(bracesOf(*build(small_meshes::icosphere(0), settings)).size(), 12u * 5u / 2u);
   EXPECT_EQ(bracesOf(*build(small_meshes::tetrahedron(), settings)).size(), 0u);
-  const std::vector<Eigen::Vector3d> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
-  EXPECT_EQ(findTwoRingPairs(line, {{0, 1}, {1, 2}, {2, 3}}), (std::vector<Edge>{{0, 2}, {1, 3}}));
+  SpringNetwork chain;
+  chain.restPoints = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  chain.springs = {{0, 1}, {1, 2}, {2, 3}};
+  EXPECT_EQ(findTwoRingPairs(chain), (std::vector<Edge>{{0, 2}, {1, 3}}));
 }
 
 // --- the choice among many pairs ---------------------------------------------------------------------------
@@ -218,7 +220,7 @@ Eigen::Index bestOfAll(BracedPiece& piece, const BraceChoice& choice, const Eige
   for (Eigen::Index i = 0; i < choice.benefit.cols(); ++i) {
     const auto [a, b] = choice.pairs[static_cast<std::size_t>(i)];
     const float sum = choice.benefit.col(i).dot(weights);
-    if (sum <= largest || !piece.chords.allowed(a, b)) continue;
+    if (sum <= largest || !piece.allows(a, b)) continue;
     best = i;
     largest = sum;
   }

@@ -18,6 +18,15 @@
 
 namespace limber {
 
+std::vector<std::vector<std::uint32_t>> neighboursOf(const SpringNetwork& network) {
+  std::vector<std::vector<std::uint32_t>> neighbours(network.restPoints.size());
+  for (const NetworkSpring& s : network.springs) {
+    neighbours[s.a].push_back(s.b);
+    neighbours[s.b].push_back(s.a);
+  }
+  return neighbours;
+}
+
 /// Returns the one of the neighbours of a point that is most nearly on its other side as seen from `a`.
 static std::uint32_t oppositeOf(std::uint32_t a, const std::vector<Eigen::Vector3d>& points,
                                 std::uint32_t point, const std::vector<std::uint32_t>& neighbours) {
@@ -29,57 +38,46 @@ static std::uint32_t oppositeOf(std::uint32_t a, const std::vector<Eigen::Vector
                            [&](std::uint32_t b, std::uint32_t c) { return cosine(b) < cosine(c); });
 }
 
-std::vector<Edge> findTwoRingPairs(const std::vector<Eigen::Vector3d>& points, const std::vector<Edge>& edges,
-                                   std::size_t maxNeighbours) {
-  std::vector<std::vector<std::uint32_t>> neighbours(points.size());
-  for (const Edge& e : edges) {
-    neighbours[e[0]].push_back(e[1]);
-    neighbours[e[1]].push_back(e[0]);
-  }
+std::vector<Edge> findTwoRingPairs(const SpringNetwork& network, std::size_t maxNeighbours) {
+  const std::vector<std::vector<std::uint32_t>> neighbours = neighboursOf(network);
   std::vector<Edge> pairs;
-  const auto add = [&](const Edge& pair) {
-    if (pair[0] < pair[1] && !std::binary_search(edges.begin(), edges.end(), pair)) pairs.push_back(pair);
+  const auto add = [&](std::uint32_t a, std::uint32_t b) {
+    if (a < b && !hasSpring(network, {a, b})) pairs.push_back({a, b});
   };
-  for (std::uint32_t point = 0; point < points.size(); ++point) {
+  for (std::uint32_t point = 0; point < neighbours.size(); ++point) {
     const std::vector<std::uint32_t>& around = neighbours[point];
     for (const std::uint32_t a : around) {
-      if (around.size() > maxNeighbours) {
-        add(edgeBetween(a, oppositeOf(a, points, point, around)));
-        continue;
+      if (around.size() <= maxNeighbours) {
+        for (const std::uint32_t b : around) add(a, b);
+      } else {
+        const std::uint32_t b = oppositeOf(a, network.restPoints, point, around);
+        add(std::min(a, b), std::max(a, b));
       }
-      for (const std::uint32_t b : around) add({a, b});
     }
   }
   sortUnique(pairs);
   return pairs;
 }
 
-InsideChords::InsideChords(const SpringNetwork& network)
-    : points_(network.restPoints),
-      size_(extent(points_)),
-      surface_(points_, network.surface),
-      neighbours_(points_.size()) {
-  for (const NetworkSpring& s : network.springs) join(s.a, s.b);
-}
-
-bool InsideChords::joined(std::uint32_t a, std::uint32_t b) const {
-  const std::vector<std::uint32_t>& ofA = neighbours_[a];
-  return a == b || std::find(ofA.begin(), ofA.end(), b) != ofA.end();
-}
-
-bool InsideChords::allowed(std::uint32_t a, std::uint32_t b) {
+bool BracedPiece::allows(std::uint32_t a, std::uint32_t b) {
   // fraction of the size by which a chord may leave the surface: the rounding of single precision
   constexpr double kTolerance = 1e-6;
-  if (joined(a, b)) return false;
+  const std::vector<std::uint32_t>& ofA = neighbours[a];
+  if (a == b || std::find(ofA.begin(), ofA.end(), b) != ofA.end()) return false;
   if (a > b) std::swap(a, b);
-  const auto [entry, isNew] = inside_.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, false);
-  if (isNew) entry->second = surface_.staysInside(points_[a], points_[b], kTolerance * size_);
+  const auto [entry, isNew] = isInside.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, false);
+  const std::vector<Eigen::Vector3d>& points = network.restPoints;
+  if (isNew) entry->second = surface.staysInside(points[a], points[b], kTolerance * size);
   return entry->second;
 }
 
-void InsideChords::join(std::uint32_t a, std::uint32_t b) {
-  neighbours_[a].push_back(b);
-  neighbours_[b].push_back(a);
+void BracedPiece::add(const Edge& pair) {
+  const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, weight};
+  std::vector<NetworkSpring>& springs = network.springs;
+  springs.insert(std::upper_bound(springs.begin(), springs.end(), brace, isBefore), brace);
+  neighbours[pair[0]].push_back(pair[1]);
+  neighbours[pair[1]].push_back(pair[0]);
+  braces.push_back(pair);
 }
 
 namespace {
@@ -94,21 +92,12 @@ std::vector<Edge> allPairs(std::uint32_t points) {
   return pairs;
 }
 
-std::uint32_t randomWalk(const InsideChords& chords, std::uint32_t from, Random& random) {
+std::uint32_t randomWalk(const BracedPiece& piece, std::uint32_t from, Random& random) {
   for (std::uint32_t steps = kShortestWalk + random.below(kLongestWalk - kShortestWalk + 1); steps > 0;
        --steps)
-    if (!chords.neighbours(from).empty())
-      from = chords.neighbours(from)[random.below(chords.neighbours(from).size())];
+    if (const std::vector<std::uint32_t>& next = piece.neighbours[from]; !next.empty())
+      from = next[random.below(next.size())];
   return from;
-}
-
-/// Adds a brace. The pair must be allowed and the piece not full.
-void addBrace(BracedPiece& piece, const Edge& pair) {
-  const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, piece.weight};
-  std::vector<NetworkSpring>& springs = piece.network.springs;
-  springs.insert(std::upper_bound(springs.begin(), springs.end(), brace, isBefore), brace);
-  piece.chords.join(pair[0], pair[1]);
-  piece.braces.push_back(pair);
 }
 
 void boundAll(BraceChoice& choice, const Eigen::VectorXf& weights) {
@@ -129,13 +118,13 @@ Eigen::VectorXf addBest(BracedPiece& piece, BraceChoice& choice, const Eigen::Ve
     choice.bounds.pop_back();
     const Edge& pair = choice.pairs[static_cast<std::size_t>(best.pair)];
     best.sum = choice.benefit.col(best.pair).dot(weights);
-    if (!(best.sum > 0.0f) || !piece.chords.allowed(pair[0], pair[1])) continue;
+    if (!(best.sum > 0.0f) || !piece.allows(pair[0], pair[1])) continue;
     if (!choice.bounds.empty() && best < choice.bounds.front()) {
       choice.bounds.push_back(best);
       std::push_heap(choice.bounds.begin(), choice.bounds.end());
       continue;
     }
-    addBrace(piece, pair);
+    piece.add(pair);
     return choice.benefit.col(best.pair);
   }
   return {};
@@ -148,7 +137,7 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t maxPairs,
   std::vector<Edge> pairs;
   for (std::size_t i = 0; i < maxPairs; ++i) {
     const std::uint32_t a = random.below(n);
-    const std::uint32_t b = i % 2 == 0 ? random.below(n) : randomWalk(piece.chords, a, random);
+    const std::uint32_t b = i % 2 == 0 ? random.below(n) : randomWalk(piece, a, random);
     if (a != b) pairs.push_back(edgeBetween(a, b));
   }
   sortUnique(pairs);
@@ -189,16 +178,16 @@ void addAntipodalBraces(BracedPiece& piece) {
   const Positions& points = piece.network.restPoints;
   const std::vector<Triangle>& triangles = piece.network.surface;
   const Positions normals = vertexNormals(points, triangles);
-  const double size = piece.chords.size();
+  const double size = piece.size;
   std::vector<bool> hasChord(points.size(), false);
   for (std::uint32_t i = 0; i < points.size() && !piece.full(); ++i) {
     if (hasChord[i]) continue;
-    const TriangleHit hit = piece.chords.surface().firstHit(points[i], -normals[i], kMinRayDistance * size,
-                                                            kMaxRayDistance * size);
+    const TriangleHit hit =
+        piece.surface.firstHit(points[i], -normals[i], kMinRayDistance * size, kMaxRayDistance * size);
     if (!hit) continue;
     for (const std::uint32_t j : byDistance(points, triangles[hit.triangle], hit.position)) {
-      if (!piece.chords.allowed(i, j)) continue;
-      addBrace(piece, edgeBetween(i, j));
+      if (!piece.allows(i, j)) continue;
+      piece.add(edgeBetween(i, j));
       hasChord[i] = hasChord[j] = true;
       break;
     }
@@ -410,8 +399,7 @@ BraceChoice errorsOf(BracedPiece& piece, const RelaxedBody& body, const Examples
       const double error = (examples[f].x.col(a) - examples[f].x.col(b)).norm() - rest;
       errors[static_cast<Eigen::Index>(f)] = static_cast<float>(error * error);
     }
-    if ((errors.array() > largest.array()).any() && piece.chords.allowed(a, b))
-      largest = largest.cwiseMax(errors);
+    if ((errors.array() > largest.array()).any() && piece.allows(a, b)) largest = largest.cwiseMax(errors);
   }
   choice.benefit = largest.cwiseInverse().asDiagonal() * choice.benefit;
   return choice;
@@ -493,17 +481,6 @@ double thickness(const std::vector<Eigen::Vector3d>& points) {
   return scatter.sum() > 0.0 ? std::sqrt(std::max(0.0, scatter[0]) / scatter.sum()) : 0.0;
 }
 
-/// Returns a network of the edges, with the surface facing outwards also for a piece that bounds a hollow.
-SpringNetwork bareNetwork(const MeshPiece& piece) {
-  SpringNetwork network;
-  network.restPoints = piece.points;
-  network.surface = piece.triangles;
-  if (signedVolume(piece.points, piece.triangles) < 0.0)
-    for (Triangle& t : network.surface) std::swap(t[1], t[2]);
-  for (const Edge& e : piece.edges) network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
-  return network;
-}
-
 /// With a lower weight, a body is a skin that is stiff against bending around a soft inside. The arms of an L
 /// resist opening 1.6 times as much as those of a solid of the same bulk modulus at 0.3, and 1.4 times at
 /// 0.5.
@@ -515,18 +492,21 @@ double braceWeight(const NetworkSettings& settings) {
   return settings.braceWeight.value_or(settings.braces == BraceRule::Pipeline ? kPipelineWeight : 1.0);
 }
 
-std::vector<Edge> bracePiece(const MeshPiece& piece, const NetworkSettings& settings, const Progress& goOn) {
-  const std::size_t points = piece.points.size();
-  if (thickness(piece.points) < kFlatPiece) return findTwoRingPairs(piece.points, piece.edges);
+std::vector<Edge> bracePiece(const SpringNetwork& piece, const NetworkSettings& settings,
+                             const Progress& goOn) {
+  const std::size_t points = piece.restPoints.size();
+  if (thickness(piece.restPoints) < kFlatPiece) return findTwoRingPairs(piece);
   if (!goOn("bracing: chords", 0.0)) return {};
   const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
   const double maxBraces =
       std::min(settings.maxBracesPerPoint * static_cast<double>(points) + kRounding, pairs);
-  BracedPiece braced{bareNetwork(piece), braceWeight(settings), static_cast<std::size_t>(maxBraces)};
+  SpringNetwork outward = piece;  // also of a piece that bounds a hollow
+  if (signedVolume(piece.restPoints, piece.surface) < 0.0)
+    flip(outward.surface, std::vector<bool>(piece.surface.size(), true));
+  BracedPiece braced{std::move(outward), braceWeight(settings), static_cast<std::size_t>(maxBraces)};
   addAntipodalBraces(braced);
   const bool fewChords = static_cast<double>(braced.braces.size()) < kMinChords * static_cast<double>(points);
-  if (fewChords && !findEdgeDefects(piece.triangles).none())
-    return findTwoRingPairs(piece.points, piece.edges);
+  if (fewChords && !findEdgeDefects(piece.surface).none()) return findTwoRingPairs(piece);
   const auto modeBraces = static_cast<std::size_t>(kShareForModes * maxBraces);
   addSoftModeBraces(braced, modeBraces, settings.seed,
                     [&](double done) { return goOn("bracing: soft modes", done); });

@@ -204,11 +204,11 @@ namespace {
 /// files and far below the differences that a modeller makes on purpose.
 constexpr double kEqualLength = 1e-5;
 
-/// Returns the lengths of the edges, ascending.
-std::vector<double> lengthsOf(const std::vector<Eigen::Vector3d>& points, const std::vector<Edge>& edges) {
+/// Returns the lengths of the springs, ascending.
+std::vector<double> lengthsOf(const SpringNetwork& network) {
   std::vector<double> lengths;
-  lengths.reserve(edges.size());
-  for (const Edge& edge : edges) lengths.push_back((points[edge[0]] - points[edge[1]]).norm());
+  for (const NetworkSpring& s : network.springs)
+    lengths.push_back((network.restPoints[s.a] - network.restPoints[s.b]).norm());
   std::sort(lengths.begin(), lengths.end());
   return lengths;
 }
@@ -239,13 +239,12 @@ std::vector<std::uint32_t> sortAlongLongestAxis(const std::vector<Eigen::Vector3
   return order;
 }
 
-/// Returns all pairs of points without an edge whose distance equals the length of some edge, sorted. `edges`
-/// must be sorted and unique.
-std::vector<Edge> findEqualLengthPairs(const std::vector<Eigen::Vector3d>& points,
-                                       const std::vector<Edge>& edges) {
+/// Returns all pairs of points without a spring whose distance equals the length of some spring, sorted.
+std::vector<Edge> findEqualLengthPairs(const SpringNetwork& network) {
   std::vector<Edge> pairs;
-  if (edges.empty()) return pairs;
-  const std::vector<double> lengths = lengthsOf(points, edges);
+  if (network.springs.empty()) return pairs;
+  const std::vector<Eigen::Vector3d>& points = network.restPoints;
+  const std::vector<double> lengths = lengthsOf(network);
   const double maxLength = std::sqrt(squaredLimit(lengths.back(), kEqualLength));
   Eigen::Index axis = 0;
   const std::vector<std::uint32_t> order = sortAlongLongestAxis(points, axis);
@@ -255,7 +254,7 @@ std::vector<Edge> findEqualLengthPairs(const std::vector<Eigen::Vector3d>& point
     for (std::size_t j = i + 1; j < order.size() && points[order[j]][axis] - p[axis] <= maxLength; ++j) {
       if (!contains(lengths, (points[order[j]] - p).squaredNorm())) continue;
       const Edge pair = edgeBetween(order[i], order[j]);
-      if (!std::binary_search(edges.begin(), edges.end(), pair)) pairs.push_back(pair);
+      if (!hasSpring(network, pair)) pairs.push_back(pair);
     }
   }
   std::sort(pairs.begin(), pairs.end());
@@ -275,6 +274,12 @@ std::string checkSettings(const NetworkSettings& s) {
   return {};
 }
 
+/// A connected piece of a mesh.
+struct MeshPiece {
+  SpringNetwork network;              ///< its points, edges and surface
+  std::vector<std::uint32_t> ofMesh;  ///< #points, their indices in the mesh, ascending
+};
+
 MeshPiece makePiece(const WeldedMesh& welded, std::vector<Triangle> triangles) {
   MeshPiece piece;
   for (const Triangle& t : triangles) piece.ofMesh.insert(piece.ofMesh.end(), t.begin(), t.end());
@@ -283,9 +288,10 @@ MeshPiece makePiece(const WeldedMesh& welded, std::vector<Triangle> triangles) {
     for (std::uint32_t& corner : t)
       corner = static_cast<std::uint32_t>(std::lower_bound(piece.ofMesh.begin(), piece.ofMesh.end(), corner) -
                                           piece.ofMesh.begin());
-  piece.points = chosen(welded.points, piece.ofMesh);
-  piece.edges = uniqueEdges(triangles);
-  piece.triangles = std::move(triangles);
+  piece.network.restPoints = chosen(welded.points, piece.ofMesh);
+  for (const Edge& e : uniqueEdges(triangles))
+    piece.network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
+  piece.network.surface = std::move(triangles);
   return piece;
 }
 
@@ -300,14 +306,15 @@ Progress progressWithTimeLimit(const NetworkSettings& settings) {
   };
 }
 
-std::vector<Edge> findBraces(const MeshPiece& piece, const NetworkSettings& settings, const Progress& goOn) {
+std::vector<Edge> findBraces(const SpringNetwork& piece, const NetworkSettings& settings,
+                             const Progress& goOn) {
   switch (settings.braces) {
     case BraceRule::None:
       return {};
     case BraceRule::EqualLength:
-      return findEqualLengthPairs(piece.points, piece.edges);
+      return findEqualLengthPairs(piece);
     case BraceRule::TwoRing:
-      return findTwoRingPairs(piece.points, piece.edges);
+      return findTwoRingPairs(piece);
     case BraceRule::Pipeline:
       return bracePiece(piece, settings, goOn);
   }
@@ -320,12 +327,12 @@ std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettin
   const Progress goOn = progressWithTimeLimit(settings);
   for (std::vector<Triangle>& triangles : trianglesOfPieces(welded.points.size(), welded.triangles)) {
     const MeshPiece piece = makePiece(welded, std::move(triangles));
-    const auto add = [&](const std::vector<Edge>& pairs, SpringKind kind, double stiffnessScale) {
-      for (const Edge& pair : pairs)
-        springs.push_back({piece.ofMesh[pair[0]], piece.ofMesh[pair[1]], kind, stiffnessScale});
+    const auto add = [&](std::uint32_t a, std::uint32_t b, SpringKind kind, double stiffnessScale) {
+      springs.push_back({piece.ofMesh[a], piece.ofMesh[b], kind, stiffnessScale});
     };
-    add(piece.edges, SpringKind::Structural, 1.0);
-    add(findBraces(piece, settings, goOn), SpringKind::Brace, braceWeight(settings));
+    for (const NetworkSpring& s : piece.network.springs) add(s.a, s.b, s.kind, s.stiffnessScale);
+    for (const Edge& pair : findBraces(piece.network, settings, goOn))
+      add(pair[0], pair[1], SpringKind::Brace, braceWeight(settings));
   }
   std::sort(springs.begin(), springs.end(), isBefore);
   return springs;

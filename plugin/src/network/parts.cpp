@@ -326,9 +326,7 @@ constexpr std::size_t kMostNeighbours = 32;
 
 /// Adds the springs between second neighbours, which resist bending.
 void addBendingSprings(SpringNetwork& sheet) {
-  std::vector<Edge> edges;
-  for (const NetworkSpring& s : sheet.springs) edges.push_back({s.a, s.b});
-  for (const Edge& pair : findTwoRingPairs(sheet.restPoints, edges, kMostNeighbours))
+  for (const Edge& pair : findTwoRingPairs(sheet, kMostNeighbours))
     sheet.springs.push_back({pair[0], pair[1], SpringKind::Brace, 1.0});
   std::sort(sheet.springs.begin(), sheet.springs.end(), isBefore);
 }

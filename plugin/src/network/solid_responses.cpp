@@ -302,22 +302,25 @@ std::array<double, 10> quadraticShapes(const Eigen::Vector4d& barycentric) {
   return shapes;
 }
 
-/// Returns the barycentric coordinates of a position in an element.
-Eigen::Vector4d barycentricIn(const QuadraticMesh& mesh, std::size_t element, const Vector3d& position) {
-  const std::array<Vector3d, 4> corners = fourCorners(mesh.nodes, mesh.tetrahedra[element]);
-  const TetrahedronFrame frame = frameOf(corners);
-  Eigen::Vector4d coordinates;
-  for (Index i = 0; i < 4; ++i)
-    coordinates[i] = (i == 0 ? 1.0 : 0.0) + frame.gradients[std::size_t(i)].dot(position - corners[0]);
-  return coordinates;
-}
+/// An element: its first corner, and the gradients of the barycentric coordinates.
+struct Element {
+  Vector3d corner;
+  TetrahedronFrame frame;
+
+  Eigen::Vector4d barycentric(const Vector3d& position) const {
+    Eigen::Vector4d coordinates;
+    for (Index i = 0; i < 4; ++i)
+      coordinates[i] = (i == 0 ? 1.0 : 0.0) + frame.gradients[std::size_t(i)].dot(position - corner);
+    return coordinates;
+  }
+};
 
 /// Returns the element that contains the position, or the one with the largest smallest coordinate.
-std::size_t elementAt(const QuadraticMesh& mesh, const Vector3d& position) {
+std::size_t elementAt(const std::vector<Element>& elements, const Vector3d& position) {
   std::size_t best = 0;
   double largest = -HUGE_VAL;
-  for (std::size_t t = 0; t < mesh.tetrahedra.size() && largest < 0.0; ++t) {
-    const double smallest = barycentricIn(mesh, t, position).minCoeff();
+  for (std::size_t t = 0; t < elements.size() && largest < 0.0; ++t) {
+    const double smallest = elements[t].barycentric(position).minCoeff();
     if (smallest > largest) largest = smallest, best = t;
   }
   return best;
@@ -327,9 +330,12 @@ std::size_t elementAt(const QuadraticMesh& mesh, const Vector3d& position) {
 
 MatrixXd displacementsAt(const SolidModes& modes, const std::vector<Vector3d>& positions) {
   MatrixXd result = MatrixXd::Zero(3 * static_cast<Index>(positions.size()), modes.displacements.cols());
+  std::vector<Element> elements;
+  for (const auto& nodes : modes.mesh.tetrahedra)
+    elements.push_back({modes.mesh.nodes[nodes[0]], frameOf(fourCorners(modes.mesh.nodes, nodes))});
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const std::size_t t = elementAt(modes.mesh, positions[i]);
-    const std::array<double, 10> shapes = quadraticShapes(barycentricIn(modes.mesh, t, positions[i]));
+    const std::size_t t = elementAt(elements, positions[i]);
+    const std::array<double, 10> shapes = quadraticShapes(elements[t].barycentric(positions[i]));
     for (std::size_t node = 0; node < 10; ++node)
       result.middleRows<3>(3 * static_cast<Index>(i)) +=
           shapes[node] * modes.displacements.middleRows<3>(3 * Index(modes.mesh.tetrahedra[t][node]));
