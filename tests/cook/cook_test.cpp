@@ -327,6 +327,52 @@ TEST(Cook, crumbsAreLeftOut) {
   EXPECT_EQ(withCrumbs.bodies[0]->restPoints, cookedAlone.bodies[0]->restPoints);
 }
 
+TEST(Cook, smallPiecesBesideALargeOneAreBodiesToo) {
+  CookSettings settings;
+  settings.points = 60;
+  const CookedMesh c = cooked(joined(ball(Vector3d::Zero()), scaled(ball({40.0, 0.0, 0.0}), 0.02)), settings);
+  ASSERT_EQ(c.bodies.size(), 2u) << c.report[1];
+  EXPECT_LT(extent(c.bodies[1]->restPoints), 0.05);
+}
+
+TEST(Cook, bothProgressFunctionsAreAsked) {
+  CookSettings settings;
+  settings.mode = CookMode::Braces;
+  settings.points = 30;
+  int whole = 0, ofBraces = 0;
+  settings.progress = [&](const char*, double) { return ++whole > 0; };
+  settings.network.progress = [&](const char*, double) { return ++ofBraces < 3; };
+  cooked(ball(Vector3d::Zero()), settings);
+  EXPECT_GT(whole, 3);
+  EXPECT_EQ(ofBraces, 3) << "once told to end, it asks no more";
+}
+
+TEST(Cook, aConeIsARopeWithItsCentreOfMass) {
+  constexpr std::uint32_t kRings = 60, kSides = 12;
+  TriangleMesh mesh;
+  for (std::uint32_t r = 0; r < kRings; ++r)
+    for (std::uint32_t s = 0; s < kSides; ++s) {
+      const double radius = 0.04 * (1.0 - double(r) / kRings), side = 2.0 * kPi * s / kSides;
+      mesh.positions.emplace_back(2.0 * r / kRings, radius * std::cos(side), radius * std::sin(side));
+      const std::uint32_t a = r * kSides + s, b = r * kSides + (s + 1) % kSides, tip = kRings * kSides;
+      if (r + 1 < kRings) {
+        mesh.triangles.push_back({a, a + kSides, b});
+        mesh.triangles.push_back({b, a + kSides, b + kSides});
+      } else {
+        mesh.triangles.push_back({a, tip, b});
+      }
+      if (r == 0) mesh.triangles.push_back({a, b, tip + 1});
+    }
+  mesh.positions.emplace_back(2.0, 0.0, 0.0);
+  mesh.positions.emplace_back(0.0, 0.0, 0.0);
+  const SharedNetwork body = cooked(mesh).bodies.at(0);
+  ASSERT_EQ(body->kind, NetworkKind::Rope);
+  double middle = 0.0;
+  for (std::size_t i = 0; i < body->restPoints.size(); ++i)
+    middle += body->massFractions[i] * body->restPoints[i].x();
+  EXPECT_NEAR(middle, 0.5, 0.1) << "at a quarter of the length";
+}
+
 TEST(Cook, sheetsBecomeClothAndTubesRopes) {
   for (const double wave : {0.0, 0.15}) {
     const CookedMesh cloth = cooked(flag(wave));
@@ -536,6 +582,37 @@ TEST(Cook, closedPlatesBecomeClothInTheirMiddle) {
   EXPECT_NEAR(body->thickness, 0.02, 1e-12);
   for (const Vector3d& p : body->restPoints) EXPECT_NEAR(p.y(), 0.0, 1e-12);
   for (const std::uint32_t point : body->render.vertexToPoint) EXPECT_NE(point, kNoPoint);
+}
+
+TEST(Cook, platesWithADefectBecomeClothInTheirMiddle) {
+  for (const bool isTurned : {false, true}) {
+    TriangleMesh mesh = small_meshes::cube(8);
+    for (Vector3d& p : mesh.positions) p.y() *= 0.02;
+    if (isTurned)
+      std::swap(mesh.triangles[9][1], mesh.triangles[9][2]);
+    else
+      mesh.triangles.erase(mesh.triangles.begin() + 9);
+    const SharedNetwork body = cooked(mesh).bodies.at(0);
+    ASSERT_EQ(body->kind, NetworkKind::Cloth);
+    EXPECT_NEAR(body->thickness, 0.02, 1e-3);
+    double farthest = 0.0;
+    for (const Vector3d& p : body->restPoints) farthest = std::max(farthest, std::abs(p.y()));
+    EXPECT_LT(farthest, 1e-3) << isTurned;
+  }
+}
+
+/// A disc of triangles around its middle, as modellers make them.
+TEST(Cook, fansHaveFewSprings) {
+  constexpr std::uint32_t kRim = 300;
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < kRim; ++i) {
+    mesh.positions.emplace_back(std::cos(2.0 * kPi * i / kRim), 0.0, std::sin(2.0 * kPi * i / kRim));
+    mesh.triangles.push_back({i, (i + 1) % kRim, kRim});
+  }
+  mesh.positions.emplace_back(Vector3d::Zero());
+  const SharedNetwork body = cooked(mesh).bodies.at(0);
+  ASSERT_EQ(body->kind, NetworkKind::Cloth);
+  EXPECT_LT(body->springs.size(), 6 * body->restPoints.size());
 }
 
 /// A closed plate of 1 x 1 m of 8 x 8 cells, without those in the middle.

@@ -80,7 +80,7 @@ TEST(DistanceToRest, leavesOutRigidMotionsOfEachPieceButNotReflections) {
   ASSERT_EQ(body.pieces.size(), 2u);
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
   Points x = rotation * body.rest;
-  for (const Eigen::Index i : body.pieces[1]) x.col(i) += Eigen::Vector3d(5, 1, 0);
+  for (const std::uint32_t i : body.pieces[1]) x.col(i) += Eigen::Vector3d(5, 1, 0);
   // square root of the rounding of squares
   EXPECT_NEAR(distanceToRest(body, x), 0.0, 1e-7);
   EXPECT_GT(distanceToRest(body, -x), 0.05);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The reference of a material's springs: solids of finite elements, compared with closed forms.
 #include "network/solid_responses.h"
-#include "network/solid_modes.h"
 
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"

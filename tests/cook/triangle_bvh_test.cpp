@@ -81,13 +81,13 @@ TEST(TriangleBvh, equallyNearTrianglesGiveTheLowestIndex) {
   EXPECT_EQ(hit.distance, 0.0);
 }
 
-TEST(TriangleBvh, nearestFacing) {
+TEST(TriangleBvh, nearestThatDoesNotFaceAgainstANormal) {
   const TriangleBvh bvh = bvhOf(welded(small_meshes::cube()));
   const Vector3d p(0.1, 0.2, 0.3);
   EXPECT_NEAR(bvh.nearest(p).distance, 0.2, 1e-15);
-  EXPECT_NEAR(bvh.nearestFacing(p, {0, 0, 1}).distance, 0.2, 1e-15);
-  EXPECT_NEAR(bvh.nearestFacing(p, {-3, -2, -1}).distance, 0.6, 1e-15) << "the face at x = -0.5";
-  EXPECT_NEAR(bvh.nearestFacing(p, Vector3d::Zero()).distance, 0.2, 1e-15);
+  EXPECT_NEAR(bvh.nearestWithin(p, HUGE_VAL, {0, 0, 1}).distance, 0.2, 1e-15);
+  EXPECT_NEAR(bvh.nearestWithin(p, HUGE_VAL, {-3, -2, -1}).distance, 0.6, 1e-15) << "the face at x = -0.5";
+  EXPECT_NEAR(bvh.nearestWithin(p, HUGE_VAL, Vector3d::Zero()).distance, 0.2, 1e-15);
 }
 
 TEST(TriangleBvh, raysMeetTheFirstTriangle) {

@@ -29,6 +29,10 @@ struct Patch {
   Vector3d middle = Vector3d::Zero();
 };
 
+MatrixXd asMatrix(const std::vector<Vector3d>& points) {
+  return Eigen::Map<const MatrixXd>(points.front().data(), 3, static_cast<Index>(points.size()));
+}
+
 Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, const Vector3d& position,
                 double radius) {
   Patch patch{Eigen::VectorXd::Zero(points.cols())};
@@ -46,8 +50,9 @@ Patch findPatch(const std::vector<Triangle>& surface, const MatrixXd& points, co
 double openingStiffness(const ElasticBody& body, const Vector3d& positionA, const Vector3d& positionB,
                         double radius) {
   const LinearResponse response(body);
-  const Patch a = findPatch(body.network.surface, response.points(), positionA, radius);
-  const Patch b = findPatch(body.network.surface, response.points(), positionB, radius);
+  const MatrixXd points = asMatrix(response.points());
+  const Patch a = findPatch(body.network.surface, points, positionA, radius);
+  const Patch b = findPatch(body.network.surface, points, positionB, radius);
   const Vector3d apart = (b.middle - a.middle).normalized();
   if (a.share.sum() == 0.0 || b.share.sum() == 0.0 || apart.norm() == 0.0) return 0.0;
   const MatrixXd force = (apart * (b.share - a.share).transpose()).reshaped();
@@ -107,7 +112,7 @@ double factorOf(const Field& field, const MatrixXd& points, const Eigen::VectorX
 
 BeamModuli measureBeam(const ElasticBody& body) {
   const LinearResponse response(body);
-  const MatrixXd& points = response.points();
+  const MatrixXd points = asMatrix(response.points());
   MatrixXd forces(points.size(), 4);
   forces.col(0) = endForces(body, points, [](const Vector3d&) { return Vector3d(1.0, 0.0, 0.0); });
   forces.col(1) = endForces(body, points, [](const Vector3d& p) { return Vector3d(p.y(), 0.0, 0.0); });

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -99,12 +98,8 @@ std::size_t rigidMotionCount(const std::vector<Eigen::Vector3d>& points, Network
 /// Counts the motions of the pieces against each other. They are not mechanisms of any piece.
 std::size_t motionsBetween(const SpringNetwork& network, NetworkKind kind) {
   std::size_t motions = 0;
-  for (const std::vector<Eigen::Index>& piece : findPieces(network)) {
-    std::vector<Eigen::Vector3d> points;
-    points.reserve(piece.size());
-    for (const Eigen::Index i : piece) points.push_back(network.restPoints[static_cast<std::size_t>(i)]);
-    motions += rigidMotionCount(points, kind);
-  }
+  for (const std::vector<std::uint32_t>& piece : findPieces(network))
+    motions += rigidMotionCount(chosen(network.restPoints, piece), kind);
   return motions - std::min(motions, rigidMotionCount(network.restPoints, kind));
 }
 
@@ -138,7 +133,7 @@ void analyseGlobalRigidity(const SpringNetwork& network, const Progress& goOn, N
   if (a.points > kMaxForGlobalRigidity) return;
   const auto keepGoing = [&](double done) { return goOn("global rigidity", done); };
   bool rigid = true;
-  for (const std::vector<Eigen::Index>& piece : findPieces(network))
+  for (const std::vector<std::uint32_t>& piece : findPieces(network))
     rigid = rigid && isGloballyRigid(pieceOf(network, piece), 1, keepGoing);
   a.globallyRigidKnown = !a.endedEarly;
   a.globallyRigid = a.globallyRigidKnown && rigid;

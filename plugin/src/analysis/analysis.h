@@ -20,7 +20,7 @@ namespace limber {
 /// Returns a network of these points and the springs, triangles and tetrahedra that join no others. Its mass
 /// fractions sum to 1. Its report describes the edge defects of its part of the surface. It has no render
 /// surface.
-SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points);
+SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<std::uint32_t>& points);
 
 /// Small deformations of a network about its rest shape, with unit masses and without the volume term. The
 /// constant of each spring is its stiffnessScale.

@@ -17,47 +17,40 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <numeric>
 #include <vector>
 
 namespace limber {
 namespace {
 
-constexpr std::uint32_t kNotInPiece = 0xffffffffu;
-
-/// Returns the triangles or tetrahedra that have all corners in the piece, with the new indices of the
+/// Returns the triangles or tetrahedra that have all corners in the piece, with the new numbers of the
 /// points.
 template <class Corners>
-std::vector<Corners> selectInPiece(const std::vector<Corners>& all,
-                                   const std::vector<std::uint32_t>& newIndex) {
+std::vector<Corners> selectInPiece(const std::vector<Corners>& all, Renumbering& numbers) {
   std::vector<Corners> result;
-  for (Corners corners : all) {
-    for (std::uint32_t& corner : corners) corner = newIndex[corner];
-    if (std::find(corners.begin(), corners.end(), kNotInPiece) == corners.end()) result.push_back(corners);
-  }
+  for (const Corners& corners : all)
+    if (std::all_of(corners.begin(), corners.end(), [&](std::uint32_t i) { return numbers.has(i); }))
+      result.push_back(numbers(corners));
   return result;
 }
 
 }  // namespace
 
-SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<Eigen::Index>& points) {
+SpringNetwork pieceOf(const SpringNetwork& network, const std::vector<std::uint32_t>& points) {
   SpringNetwork piece;
   piece.kind = network.kind;
   piece.stiffnessPerModulus = network.stiffnessPerModulus;
-  std::vector<std::uint32_t> newIndex(network.restPoints.size(), kNotInPiece);
-  double mass = 0.0;
-  for (const Eigen::Index point : points) {
-    const auto i = static_cast<std::size_t>(point);
-    newIndex[i] = static_cast<std::uint32_t>(piece.restPoints.size());
-    piece.restPoints.push_back(network.restPoints[i]);
-    piece.massFractions.push_back(network.massFractions[i]);
-    mass += network.massFractions[i];
-  }
+  Renumbering numbers(network.restPoints.size());
+  for (const std::uint32_t point : points) numbers(point);
+  piece.restPoints = chosen(network.restPoints, points);
+  piece.massFractions = chosen(network.massFractions, points);
+  const double mass = std::accumulate(piece.massFractions.begin(), piece.massFractions.end(), 0.0);
   for (double& share : piece.massFractions) share /= mass;
   for (const NetworkSpring& s : network.springs)
-    if (newIndex[s.a] != kNotInPiece && newIndex[s.b] != kNotInPiece)
-      piece.springs.push_back({newIndex[s.a], newIndex[s.b], s.kind, s.stiffnessScale});
-  piece.surface = selectInPiece(network.surface, newIndex);
-  piece.tetrahedra = selectInPiece(network.tetrahedra, newIndex);
+    if (numbers.has(s.a) && numbers.has(s.b))
+      piece.springs.push_back({numbers(s.a), numbers(s.b), s.kind, s.stiffnessScale});
+  piece.surface = selectInPiece(network.surface, numbers);
+  piece.tetrahedra = selectInPiece(network.tetrahedra, numbers);
   setEdgeDefects(piece.report, piece.surface);
   return piece;
 }

@@ -67,17 +67,11 @@ ReturnRate measureReturns(const SpringNetwork& network, Deformation kind, std::u
   return rateOf(ends);
 }
 
-namespace {
-
-constexpr double kResidual = 1e-5;  // relative to the eigenvalue, whose own error is the square of that
-
-double stepOf(double frequencySquared) {
-  return frequencySquared > 0.0 ? 2.0 / std::sqrt(frequencySquared) : HUGE_VAL;
-}
-
-}  // namespace
-
 TimeSteps timeSteps(const SpringNetwork& network, const SoftBodySettings& settings) {
+  constexpr double kResidual = 1e-5;  // relative to the eigenvalue, whose own error is the square of that
+  const auto stepOf = [](double frequencySquared) {
+    return frequencySquared > 0.0 ? 2.0 / std::sqrt(frequencySquared) : HUGE_VAL;
+  };
   const PointState state = restState(network, settings);
   BodyTerms terms(network, settings);
   const double fastest =
@@ -354,26 +348,6 @@ double volumeModulusOf(const SpringNetwork& network, const SoftBodySettings& set
   return std::max(0.0, terms.tetrahedra.empty() ? terms.volumes->modulus : terms.tetrahedra->modulus);
 }
 
-/// Returns the largest stiffness of the pieces.
-std::optional<double> stiffnessOfPieces(const SpringNetwork& network, SoftBodySettings settings,
-                                        double gravity, const Progress& progress) {
-  double done = 0.0, largest = 0.0;
-  settings.volumeModulus = volumeModulusOf(network, settings);
-  for (const std::vector<Eigen::Index>& points : findPieces(network)) {
-    SoftBodySettings pieceSettings = settings;
-    double massFraction = 0.0;
-    for (const Eigen::Index i : points) massFraction += network.massFractions[static_cast<std::size_t>(i)];
-    pieceSettings.totalMass *= massFraction;
-    const auto goOn = [&] { return !progress || progress("own weight", done); };
-    const std::optional<double> ofPiece =
-        stiffnessOfPiece(pieceOf(network, points), pieceSettings, gravity, goOn);
-    if (!ofPiece) return std::nullopt;
-    largest = std::max(largest, *ofPiece);
-    done += static_cast<double>(points.size()) / static_cast<double>(network.restPoints.size());
-  }
-  return largest;
-}
-
 }  // namespace
 
 std::optional<double> standingStiffness(const SpringNetwork& network, const SoftBodySettings& settings,
@@ -384,7 +358,21 @@ std::optional<double> standingStiffness(const SpringNetwork& network, const Soft
   for (Eigen::Vector3d& p : scaled.restPoints) p = p.cwiseProduct(settings.scale);
   SoftBodySettings unscaled = settings;
   unscaled.scale.setOnes();
-  return stiffnessOfPieces(scaled, unscaled, gravity, progress);
+  unscaled.volumeModulus = volumeModulusOf(scaled, unscaled);
+  double done = 0.0, largest = 0.0;
+  for (const std::vector<std::uint32_t>& points : findPieces(scaled)) {
+    SoftBodySettings pieceSettings = unscaled;
+    double massFraction = 0.0;
+    for (const std::uint32_t i : points) massFraction += scaled.massFractions[i];
+    pieceSettings.totalMass *= massFraction;
+    const auto goOn = [&] { return !progress || progress("own weight", done); };
+    const std::optional<double> ofPiece =
+        stiffnessOfPiece(pieceOf(scaled, points), pieceSettings, gravity, goOn);
+    if (!ofPiece) return std::nullopt;
+    largest = std::max(largest, *ofPiece);
+    done += static_cast<double>(points.size()) / static_cast<double>(scaled.restPoints.size());
+  }
+  return largest;
 }
 
 }  // namespace limber

@@ -122,7 +122,8 @@ Bytes SoftBodySystem::saveState() {
 Result<void> SoftBodySystem::restoreState(const Bytes& bytes) {
   SystemState state;
   const auto transfer = [](ByteReader& reader, SystemState& s) { transferSystem(reader, s); };
-  if (std::string reason = readSealed(kSystemFormat, bytes, state, transfer); !reason.empty())
+  if (std::string reason = readSealed(kSystemFormat, bytes.data(), bytes.size(), state, transfer);
+      !reason.empty())
     return Error{std::move(reason)};
   std::string reason = checkCount("bodies", state.bodies.size(), impl_->bodies.size());
   const std::vector<SpringConstraint*> springs = impl_->savedSprings();
@@ -234,7 +235,7 @@ std::string readBodies(const Bytes& bytes, std::vector<WholeBody>& bodies) {
   }
   std::vector<WholeBody> read;
   const auto transfer = [](ByteReader& reader, std::vector<WholeBody>& all) { transferBodies(reader, all); };
-  std::string reason = readSealed(kBodiesFormat, bytes, read, transfer);
+  std::string reason = readSealed(kBodiesFormat, bytes.data(), bytes.size(), read, transfer);
   bodies.insert(bodies.end(), read.begin(), read.end());
   return reason;
 }

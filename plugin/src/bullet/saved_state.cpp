@@ -563,7 +563,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
 Result<BodyState> readState(const Bytes& bytes) {
   BodyState s;
   const auto transfer = [](ByteReader& reader, BodyState& state) { transferState(reader, state); };
-  if (std::string reason = readSealed(kStateFormat, bytes, s, transfer); !reason.empty())
+  if (std::string reason = readSealed(kStateFormat, bytes.data(), bytes.size(), s, transfer); !reason.empty())
     return Error{std::move(reason)};
   if (Result<void> valid = validate(s.settings); !valid) return Error{"settings: " + valid.error()};
   return s;

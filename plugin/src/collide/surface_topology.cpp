@@ -52,8 +52,7 @@ std::vector<Edge> allEdges(const SurfaceFeatures& features) {
     const Edge edge = edgeBetween(s[0], s[1]);
     if (!std::binary_search(edges.begin(), edges.end(), edge)) loose.push_back(edge);
   }
-  std::sort(loose.begin(), loose.end());
-  loose.erase(std::unique(loose.begin(), loose.end()), loose.end());
+  sortUnique(loose);
   edges.insert(edges.end(), loose.begin(), loose.end());
   return edges;
 }

@@ -103,8 +103,8 @@ struct Close {
 };
 using Stream = std::unique_ptr<std::FILE, Close>;
 
-std::string errorMessage(const char* what, const std::string& file, const std::string& reason) {
-  return std::string(what) + " " + file + ": " + reason;
+Error fileError(const char* what, const std::string& file, const std::string& reason) {
+  return {std::string(what) + " " + file + ": " + reason};
 }
 
 bool readMore(std::FILE* stream, std::vector<std::uint8_t>& bytes, std::size_t count) {
@@ -133,31 +133,28 @@ bool writeAndClose(Stream stream, const std::vector<std::uint8_t>& bytes) {
 Result<std::vector<std::uint8_t>> readWholeFile(const SealedFormat& format, const std::string& file) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(file, error);
-  if (error) return Error{errorMessage("cannot read", file, error.message())};
+  if (error) return fileError("cannot read", file, error.message());
   const Stream stream(std::fopen(file.c_str(), "rb"));
-  if (!stream) return Error{errorMessage("cannot read", file, std::strerror(errno))};
+  if (!stream) return fileError("cannot read", file, std::strerror(errno));
   const std::size_t first = static_cast<std::size_t>(std::min<std::uint64_t>(size, kHeaderBytes));
   std::vector<std::uint8_t> bytes;
-  if (!readMore(stream.get(), bytes, first))
-    return Error{errorMessage("cannot read", file, std::strerror(errno))};
+  if (!readMore(stream.get(), bytes, first)) return fileError("cannot read", file, std::strerror(errno));
   const std::string reason = checkHeader(format, bytes.data(), size);
   if (!reason.empty()) return Error{file + ": " + reason};
-  if (!readMore(stream.get(), bytes, static_cast<std::size_t>(size) - first)) {
-    return Error{errorMessage("cannot read", file, "it ended while it was read")};
-  }
+  if (!readMore(stream.get(), bytes, static_cast<std::size_t>(size) - first))
+    return fileError("cannot read", file, "it ended while it was read");
   return bytes;
 }
 
-std::string writeWholeFile(const std::string& file, const std::vector<std::uint8_t>& bytes) {
+Result<void> writeWholeFile(const std::string& file, const std::vector<std::uint8_t>& bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   // renaming would replace a device by a plain file
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    return errorMessage("cannot write", file, "it is not a regular file");
-  }
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    return fileError("cannot write", file, "it is not a regular file");
   std::string part;
   Stream stream = createPartFile(file, part);
-  if (!stream) return errorMessage("cannot write", file, std::strerror(errno));
+  if (!stream) return fileError("cannot write", file, std::strerror(errno));
   errno = 0;
   if (!writeAndClose(std::move(stream), bytes)) {
     error = std::error_code(errno != 0 ? errno : EIO, std::generic_category());
@@ -168,7 +165,7 @@ std::string writeWholeFile(const std::string& file, const std::vector<std::uint8
   if (!error) return {};
   std::error_code ignored;
   fs::remove(part, ignored);
-  return errorMessage("cannot write", file, error.message());
+  return fileError("cannot write", file, error.message());
 }
 
 }  // namespace limber

@@ -221,14 +221,15 @@ std::string checkHeader(const SealedFormat& format, const std::uint8_t* header, 
 /// Returns why the bytes are not valid, or an empty string. Also checks the hash.
 std::string checkSealed(const SealedFormat& format, const std::uint8_t* bytes, std::size_t size);
 
-/// Returns sealed bytes of the newest version. write(ByteWriter&) appends the contents.
+/// Returns sealed bytes of a version, 0: the newest. write(ByteWriter&) appends the contents.
 template <class Write>
-std::vector<std::uint8_t> sealedBytes(const SealedFormat& format, const Write& write) {
+std::vector<std::uint8_t> sealedBytes(const SealedFormat& format, const Write& write,
+                                      std::uint32_t version = 0) {
   std::vector<std::uint8_t> bytes;
   bytes.resize(kHeaderBytes);
   ByteWriter writer(bytes);
   write(writer);
-  seal(format, format.version, bytes);
+  seal(format, version > 0 ? version : format.version, bytes);
   return bytes;
 }
 
@@ -239,13 +240,13 @@ std::size_t sealedSize(const std::uint8_t* header);
 /// Reads what transfer(ByteReader&, State&) declares from sealed bytes. Returns why it cannot, or an empty
 /// string.
 template <class State, class Transfer>
-std::string readSealed(const SealedFormat& format, const std::vector<std::uint8_t>& bytes, State& state,
+std::string readSealed(const SealedFormat& format, const std::uint8_t* bytes, std::size_t size, State& state,
                        Transfer transfer) {
-  if (std::string reason = checkSealed(format, bytes.data(), bytes.size()); !reason.empty()) return reason;
-  ByteReader reader(bytes.data() + kHeaderBytes, bytes.size() - kHeaderBytes);
+  if (std::string reason = checkSealed(format, bytes, size); !reason.empty()) return reason;
+  ByteReader reader(bytes + kHeaderBytes, size - kHeaderBytes);
   transfer(reader, state);
-  if (!reader.problem().empty()) return reader.problem();
-  return reader.bytesLeft() > 0 ? "bytes follow the end of its contents" : std::string();
+  if (!reader.problem().empty() || reader.bytesLeft() == 0) return reader.problem();
+  return std::to_string(reader.bytesLeft()) + " bytes follow the end of its contents";
 }
 
 // --- files -------------------------------------------------------------------------------------------------
@@ -255,8 +256,7 @@ std::string readSealed(const SealedFormat& format, const std::vector<std::uint8_
 Result<std::vector<std::uint8_t>> readWholeFile(const SealedFormat& format, const std::string& file);
 
 /// Writes a temporary file in the same folder and renames it to `file`, so that always either the old or the
-/// new file is complete. Returns an empty string, or the reason with the file's name; the temporary file is
-/// removed then.
-std::string writeWholeFile(const std::string& file, const std::vector<std::uint8_t>& bytes);
+/// new file is complete. Errors name the file; the temporary file is removed then.
+Result<void> writeWholeFile(const std::string& file, const std::vector<std::uint8_t>& bytes);
 
 }  // namespace limber

@@ -64,12 +64,6 @@ Eigen::VectorXd symmetricValues(const Eigen::MatrixXd& matrix) {
   return DenseSolver(matrix, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling) {
-  DenseSolver solver;
-  solver.computeFromTridiagonal(diagonal, coupling);
-  return {solver.eigenvalues(), solver.eigenvectors()};
-}
-
 Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix) {
   const SymmetricParts3 parts = symmetricParts3(matrix);
   const double limit = kNegligibleEigenvalue * parts.values.cwiseAbs().maxCoeff();
@@ -80,17 +74,20 @@ Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix) {
   return inverse;
 }
 
+Eigen::MatrixXd quaternionMatrix(const Eigen::Matrix3d& sum) {
+  const Eigen::Vector3d twist(sum(1, 2) - sum(2, 1), sum(2, 0) - sum(0, 2), sum(0, 1) - sum(1, 0));
+  Eigen::MatrixXd matrix(4, 4);
+  matrix << sum.trace(), twist.transpose(), twist,
+      Eigen::Matrix3d(sum + sum.transpose() - sum.trace() * Eigen::Matrix3d::Identity());
+  return matrix;
+}
+
 Eigen::Isometry3d rigidMotionBetween(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
   const Eigen::Vector3d fromMean = from.rowwise().mean(), toMean = to.rowwise().mean();
   Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
   for (Eigen::Index i = 0; i < from.cols(); ++i)
     s += (from.col(i) - fromMean) * (to.col(i) - toMean).transpose();
-  // the quaternion (w, x, y, z) of the rotation is the eigenvector of the largest eigenvalue
-  const Eigen::Vector3d turn(s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0));
-  Eigen::MatrixXd n(4, 4);
-  n << s.trace(), turn.transpose(), turn,
-      Eigen::Matrix3d(s + s.transpose() - s.trace() * Eigen::Matrix3d::Identity());
-  const SymmetricParts parts = symmetricParts(n);
+  const SymmetricParts parts = symmetricParts(quaternionMatrix(s));
   // of several best ones, as for points on a line, the one that turns least
   Eigen::Vector4d q = Eigen::Vector4d::Zero();
   for (int k = 0; k < 4; ++k)
@@ -358,16 +355,18 @@ double lengthOf(const Eigen::VectorXd& v) {
   return std::isfinite(norm) ? norm : v.stableNorm();
 }
 
-/// The result for the tridiagonal matrix whose entries are `scale` at most.
+/// The result for the tridiagonal matrix with `diagonal` (n) and `coupling` (n - 1) next to it, whose entries
+/// are `scale` at most.
 struct Ritz {
   double largest, lastEntry;  ///< its largest eigenvalue, and the last entry of the eigenvector
 };
 
 Ritz solve(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling, double scale) {
   const double unit = scale > kHuge ? scale : 1.0;
-  const SymmetricParts parts = tridiagonalParts(diagonal / unit, coupling / unit);
+  DenseSolver solver;
+  solver.computeFromTridiagonal(diagonal / unit, coupling / unit);
   const Eigen::Index last = diagonal.size() - 1;
-  return {parts.values[last] * unit, parts.vectors(last, last)};
+  return {solver.eigenvalues()[last] * unit, solver.eigenvectors()(last, last)};
 }
 
 }  // namespace

@@ -41,16 +41,18 @@ SymmetricParts3 symmetricParts3(const Eigen::Matrix3d& matrix);
 /// Returns only the eigenvalues, in ascending order.
 Eigen::VectorXd symmetricValues(const Eigen::MatrixXd& matrix);
 
-/// Decomposes the tridiagonal matrix with `diagonal` (n) and `coupling` (n - 1) next to it.
-SymmetricParts tridiagonalParts(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& coupling);
-
 /// Returns the matrix whose product with a vector b is the shortest x that minimises |matrix x - b|.
 /// Eigenvalues below 1e-14 of the largest count as 0.
 Eigen::Matrix3d pseudoInverse(const Eigen::Matrix3d& matrix);
 
+/// Returns the matrix whose eigenvector of the largest eigenvalue is the quaternion (w, x, y, z) of the
+/// rotation that brings points x nearest to points y, for the sum of all x y^T, both about their means (B.
+/// Horn, Closed-form solution of absolute orientation using unit quaternions, 1987). That eigenvalue is the
+/// sum of all y . (rotation x).
+Eigen::MatrixXd quaternionMatrix(const Eigen::Matrix3d& sum);
+
 /// Returns the rotation and translation that bring points (3 x #points, m) nearest to others: the sum of the
-/// squared distances is least (B. Horn, Closed-form solution of absolute orientation using unit quaternions,
-/// 1987). If several rotations do, as for points on a line, returns the smallest one.
+/// squared distances is least. If several rotations do, as for points on a line, returns the smallest one.
 Eigen::Isometry3d rigidMotionBetween(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
 
 /// Matrices up to 10 x 10 and vectors up to 10 entries, without an allocation.

@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -24,6 +23,7 @@ namespace limber {
 namespace {
 
 using Eigen::Vector3d;
+using Indices = std::vector<std::uint32_t>;
 
 /// Weighted sum of squared distances from planes and points,  x^T a x - 2 b^T x + c  (M. Garland, P.
 /// Heckbert, "Surface simplification using quadric error metrics", 1997).
@@ -64,10 +64,10 @@ Quadric pointQuadric(const Eigen::Vector3d& point, double weight) {
 struct CollapsibleSurface {
   std::vector<Eigen::Vector3d> points;
   std::vector<Triangle> triangles;
-  std::vector<std::vector<std::uint32_t>> trianglesOf;  ///< #points, ascending
-  std::vector<Quadric> quadrics;                        ///< #points
-  std::vector<char> onBorder;                           ///< #points, on an edge of one triangle
-  std::vector<char> fixed;  ///< #points, where the surface is not manifold: never moved
+  std::vector<Indices> trianglesOf;  ///< #points, ascending
+  std::vector<Quadric> quadrics;     ///< #points
+  std::vector<char> onBorder;        ///< #points, on an edge of one triangle
+  std::vector<char> fixed;           ///< #points, where the surface is not manifold: never moved
 };
 
 /// Weight of the points of a patch in the quadric of its new point, relative to its planes. It is large
@@ -90,39 +90,37 @@ bool contains(const Triangle& t, std::uint32_t point) {
   return t[0] == point || t[1] == point || t[2] == point;
 }
 
-Vector3d areaVectorOf(const CollapsibleSurface& surface, const Triangle& t) {
-  return areaVector(surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]);
+double quality(const TriangleCorners& t) {
+  const double sides =
+      (t[1] - t[0]).squaredNorm() + (t[2] - t[1]).squaredNorm() + (t[0] - t[2]).squaredNorm();
+  return sides > 0.0 ? 4.0 * std::sqrt(3.0) * areaVector(t).norm() / sides : 0.0;
 }
 
-double quality(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const double sides = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
-  return sides > 0.0 ? 4.0 * std::sqrt(3.0) * areaVector(a, b, c).norm() / sides : 0.0;
+/// Returns what two ascending lists have in common.
+Indices common(const Indices& a, const Indices& b) {
+  Indices result;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
+  return result;
 }
 
-std::vector<std::uint32_t> sharedTriangles(const CollapsibleSurface& surface, std::uint32_t a,
-                                           std::uint32_t b) {
-  std::vector<std::uint32_t> shared;
-  std::set_intersection(surface.trianglesOf[a].begin(), surface.trianglesOf[a].end(),
-                        surface.trianglesOf[b].begin(), surface.trianglesOf[b].end(),
-                        std::back_inserter(shared));
-  return shared;
+Indices sharedTriangles(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
+  return common(surface.trianglesOf[a], surface.trianglesOf[b]);
 }
 
 /// Returns the neighbours of a point, ascending, without `point`.
-std::vector<std::uint32_t> neighboursOf(const CollapsibleSurface& surface, std::uint32_t point) {
-  std::vector<std::uint32_t> neighbours;
+Indices neighboursOf(const CollapsibleSurface& surface, std::uint32_t point) {
+  Indices neighbours;
   for (const std::uint32_t i : surface.trianglesOf[point]) {
     for (const std::uint32_t corner : surface.triangles[i]) {
       if (corner != point) neighbours.push_back(corner);
     }
   }
-  std::sort(neighbours.begin(), neighbours.end());
-  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+  sortUnique(neighbours);
   return neighbours;
 }
 
 void addTriangleQuadrics(CollapsibleSurface& surface, const Triangle& t) {
-  const Vector3d vector = areaVectorOf(surface, t);
+  const Vector3d vector = areaVector(surface.points, t);
   const double area = vector.norm();
   if (area == 0.0) return;
   const Quadric plane = planeQuadric(vector / area, surface.points[t[0]], area / 3.0);
@@ -134,7 +132,7 @@ void addTriangleQuadrics(CollapsibleSurface& surface, const Triangle& t) {
 
 void addBorderQuadric(CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b, const Triangle& t) {
   const Vector3d side = surface.points[b] - surface.points[a];
-  const Vector3d across = side.cross(areaVectorOf(surface, t)).normalized();
+  const Vector3d across = side.cross(areaVector(surface.points, t)).normalized();
   const Quadric plane = planeQuadric(across, surface.points[a], kBorderWeight * side.squaredNorm());
   surface.quadrics[a] += plane;
   surface.quadrics[b] += plane;
@@ -144,7 +142,7 @@ void addBorderQuadric(CollapsibleSurface& surface, std::uint32_t a, std::uint32_
 void inspectEdges(CollapsibleSurface& surface, std::uint32_t a) {
   std::size_t borders = 0;
   for (const std::uint32_t b : neighboursOf(surface, a)) {
-    const std::vector<std::uint32_t> shared = sharedTriangles(surface, a, b);
+    const Indices shared = sharedTriangles(surface, a, b);
     if (shared.size() > 2) surface.fixed[a] = 1;
     if (shared.size() != 1) continue;
     ++borders;
@@ -157,14 +155,12 @@ void inspectEdges(CollapsibleSurface& surface, std::uint32_t a) {
 /// Checks the link condition: the common neighbours must be the third corners of the triangles at the edge,
 /// and these must keep enough triangles: three within the surface, one on its border.
 bool linkAllows(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
-  const std::vector<std::uint32_t> shared = sharedTriangles(surface, a, b);
+  const Indices shared = sharedTriangles(surface, a, b);
   if (shared.empty() || shared.size() > 2) return false;
   if (surface.onBorder[a] && surface.onBorder[b] && shared.size() == 2) return false;
-  const std::vector<std::uint32_t> ofA = neighboursOf(surface, a), ofB = neighboursOf(surface, b);
-  std::vector<std::uint32_t> common;
-  std::set_intersection(ofA.begin(), ofA.end(), ofB.begin(), ofB.end(), std::back_inserter(common));
-  if (common.size() != shared.size()) return false;
-  return std::all_of(common.begin(), common.end(), [&](std::uint32_t apex) {
+  const Indices apexes = common(neighboursOf(surface, a), neighboursOf(surface, b));
+  if (apexes.size() != shared.size()) return false;
+  return std::all_of(apexes.begin(), apexes.end(), [&](std::uint32_t apex) {
     return surface.trianglesOf[apex].size() > (surface.onBorder[apex] ? 1u : 3u);
   });
 }
@@ -184,17 +180,13 @@ bool closesLobe(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_
   return false;
 }
 
-double qualityOf(const CollapsibleSurface& surface, const Triangle& t) {
-  return quality(surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]);
-}
-
 /// Returns the quality that triangles around a and b must keep. Among slivers they may become a little worse:
 /// a fan or a band of them could else never be simplified.
 double leastQuality(const CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b) {
   double worst = kMinQuality / kMuchWorse;
   for (const std::uint32_t end : {a, b})
     for (const std::uint32_t t : surface.trianglesOf[end])
-      worst = std::min(worst, qualityOf(surface, surface.triangles[t]));
+      worst = std::min(worst, quality(cornersOf(surface.points, surface.triangles[t])));
   return kMuchWorse * worst;
 }
 
@@ -204,15 +196,13 @@ bool shapeAllows(const CollapsibleSurface& surface, std::uint32_t moved, std::ui
   for (const std::uint32_t i : surface.trianglesOf[moved]) {
     const Triangle& t = surface.triangles[i];
     if (contains(t, other)) continue;
-    std::array<Vector3d, 3> before, after;
-    for (std::size_t c = 0; c < 3; ++c) {
-      before[c] = surface.points[t[c]];
-      after[c] = t[c] == moved ? position : before[c];
-    }
-    const Vector3d oldArea = areaVector(before[0], before[1], before[2]);
-    const Vector3d newArea = areaVector(after[0], after[1], after[2]);
+    const TriangleCorners before = cornersOf(surface.points, t);
+    TriangleCorners after = before;
+    for (std::size_t c = 0; c < 3; ++c)
+      if (t[c] == moved) after[c] = position;
+    const Vector3d oldArea = areaVector(before), newArea = areaVector(after);
     if (oldArea.dot(newArea) <= kMinRotationCosine * oldArea.norm() * newArea.norm()) return false;
-    if (quality(after[0], after[1], after[2]) < least) return false;
+    if (quality(after) < least) return false;
   }
   return true;
 }
@@ -245,14 +235,14 @@ bool mayCollapse(const CollapsibleSurface& surface, std::uint32_t a, std::uint32
 void collapse(CollapsibleSurface& surface, std::uint32_t a, std::uint32_t b, const Vector3d& position) {
   for (const std::uint32_t i : sharedTriangles(surface, a, b)) {
     for (const std::uint32_t corner : surface.triangles[i]) {
-      std::vector<std::uint32_t>& list = surface.trianglesOf[corner];
+      Indices& list = surface.trianglesOf[corner];
       list.erase(std::lower_bound(list.begin(), list.end(), i));
     }
   }
   for (const std::uint32_t i : surface.trianglesOf[b]) {
     for (std::uint32_t& corner : surface.triangles[i]) corner = corner == b ? a : corner;
   }
-  std::vector<std::uint32_t> joined;
+  Indices joined;
   std::merge(surface.trianglesOf[a].begin(), surface.trianglesOf[a].end(), surface.trianglesOf[b].begin(),
              surface.trianglesOf[b].end(), std::back_inserter(joined));
   surface.trianglesOf[a] = std::move(joined);
@@ -267,20 +257,16 @@ struct Candidate {
   double cost;
   std::uint32_t a, b;                ///< a < b
   std::uint32_t changesA, changesB;  ///< of the ends when the cost was computed
+
+  /// The smallest cost is on top of a heap; candidates of equal cost are in the order of their points.
+  bool operator<(const Candidate& t) const { return std::tie(cost, a, b) > std::tie(t.cost, t.a, t.b); }
 };
 
-/// Orders a heap with the smallest cost on top; candidates of equal cost are in the order of their points.
-struct IsCostlier {
-  bool operator()(const Candidate& s, const Candidate& t) const {
-    return std::tie(s.cost, s.a, s.b) > std::tie(t.cost, t.a, t.b);
-  }
-};
-
-using Heap = std::priority_queue<Candidate, std::vector<Candidate>, IsCostlier>;
+using Heap = std::priority_queue<Candidate>;
 
 struct Simplifier {
   CollapsibleSurface surface;
-  std::vector<std::uint32_t> changes;  ///< #points
+  Indices changes;  ///< #points, how many
   Heap heap;
 };
 
@@ -334,18 +320,14 @@ void collapseTo(Simplifier& work, std::size_t points) {
 }
 
 TriangleMesh compacted(const CollapsibleSurface& surface) {
-  TriangleMesh mesh;
-  std::vector<std::uint32_t> newIndex(surface.points.size(), kNoPoint);
-  for (std::uint32_t point = 0; point < surface.points.size(); ++point) {
-    if (surface.trianglesOf[point].empty()) continue;
-    newIndex[point] = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.push_back(surface.points[point]);
-  }
+  Renumbering numbers(surface.points.size());
+  for (std::uint32_t point = 0; point < surface.points.size(); ++point)
+    if (!surface.trianglesOf[point].empty()) numbers(point);
+  TriangleMesh mesh = meshOf(chosen(surface.points, numbers.kept()), {});
   for (std::uint32_t i = 0; i < surface.triangles.size(); ++i) {
     const Triangle& t = surface.triangles[i];
-    const std::vector<std::uint32_t>& list = surface.trianglesOf[t[0]];
-    if (!std::binary_search(list.begin(), list.end(), i)) continue;
-    mesh.triangles.push_back({newIndex[t[0]], newIndex[t[1]], newIndex[t[2]]});
+    const Indices& list = surface.trianglesOf[t[0]];
+    if (std::binary_search(list.begin(), list.end(), i)) mesh.triangles.push_back(numbers(t));
   }
   return mesh;
 }
@@ -359,8 +341,7 @@ Result<TriangleMesh> simplify(const TriangleMesh& mesh, std::uint32_t points) {
   }
   Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : welded->points) box.extend(p);
+  const Eigen::AlignedBox3d box = boxOf(welded->points);
   const Vector3d centre = box.center();
   const double size = box.sizes().maxCoeff();
   // quadrics of coordinates far from the origin would suffer from cancellation

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Computes the edges, the components and the geometry of surfaces, flips closed surfaces to face outward, and
-// finds nearest points.
+// Computes the edges, the components and the geometry of surfaces, finds nearest points, and orients surfaces
+// outward: closed components by their volume, and the patches of open or broken meshes by their shape.
 
 #include "mesh/surface.h"
 
@@ -8,53 +8,39 @@
 #include <cmath>
 #include <functional>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace limber {
-namespace {
 
 using Eigen::Vector3d;
 
-/// One side of a triangle: its edge, and whether the triangle runs through it from the smaller to the larger
-/// index.
-struct HalfEdge {
-  Edge edge;
-  bool upward;
-};
-
-HalfEdge halfEdge(std::uint32_t from, std::uint32_t to) {
-  return from < to ? HalfEdge{{from, to}, true} : HalfEdge{{to, from}, false};
-}
-
-std::vector<HalfEdge> sortedHalfEdges(const std::vector<Triangle>& triangles) {
-  std::vector<HalfEdge> sides;
+std::vector<Side> sortedSides(const std::vector<Triangle>& triangles) {
+  std::vector<Side> sides;
   sides.reserve(3 * triangles.size());
-  for (const Triangle& t : triangles) {
-    for (std::size_t corner = 0; corner < 3; ++corner)
-      sides.push_back(halfEdge(t[corner], t[(corner + 1) % 3]));
-  }
-  std::sort(sides.begin(), sides.end(), [](const HalfEdge& s, const HalfEdge& t) { return s.edge < t.edge; });
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::uint32_t c = 0; c < 3; ++c)
+      sides.push_back({edgeBetween(triangles[t][c], triangles[t][(c + 1) % 3]), t, c});
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.edge, a.triangle, a.corner) < std::tie(b.edge, b.triangle, b.corner);
+  });
   return sides;
 }
 
-}  // namespace
-
 std::vector<Edge> uniqueEdges(const std::vector<Triangle>& triangles) {
   std::vector<Edge> edges;
-  forEachEdge(triangles, [&](const Edge& edge, std::size_t) { edges.push_back(edge); });
+  forEachEdge(triangles, [&](const Side* sides, std::size_t) { edges.push_back(sides->edge); });
   return edges;
 }
 
 EdgeDefects findEdgeDefects(const std::vector<Triangle>& triangles) {
-  const std::vector<HalfEdge> sides = sortedHalfEdges(triangles);
   EdgeDefects defects;
-  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-    while (last < sides.size() && sides[last].edge == sides[first].edge) ++last;
-    const std::size_t uses = last - first;
+  const auto isUpward = [&](const Side& s) { return triangles[s.triangle][s.corner] == s.edge[0]; };
+  forEachEdge(triangles, [&](const Side* sides, std::size_t uses) {
     if (uses == 1) ++defects.open;
     if (uses > 2) ++defects.nonManifold;
-    if (uses == 2 && sides[first].upward == sides[first + 1].upward) ++defects.inconsistent;
-  }
+    if (uses == 2 && isUpward(sides[0]) == isUpward(sides[1])) ++defects.inconsistent;
+  });
   return defects;
 }
 
@@ -66,46 +52,35 @@ void setEdgeDefects(MeshReport& report, const std::vector<Triangle>& triangles) 
 }
 
 SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>& triangles) {
-  constexpr std::uint32_t kUnnumbered = 0xffffffffu;
   DisjointSets sets(points);
   for (const Triangle& t : triangles) {
     sets.join(t[0], t[1]);
     sets.join(t[0], t[2]);
   }
+  Renumbering numbers(points);
   SurfaceComponents components;
-  std::vector<std::uint32_t> number(points, kUnnumbered);
-  for (const Triangle& t : triangles) {
-    std::uint32_t& n = number[sets.root(t[0])];
-    if (n == kUnnumbered) n = static_cast<std::uint32_t>(components.count++);
-    components.ofTriangle.push_back(n);
-  }
+  for (const Triangle& t : triangles) components.ofTriangle.push_back(numbers(sets.root(t[0])));
+  components.count = numbers.kept().size();
   return components;
 }
 
-std::vector<std::vector<Triangle>> trianglesOfPieces(const TriangleMesh& mesh) {
-  const SurfaceComponents pieces = findComponents(mesh.positions.size(), mesh.triangles);
-  std::vector<std::vector<Triangle>> triangles(pieces.count);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    triangles[pieces.ofTriangle[t]].push_back(mesh.triangles[t]);
-  return triangles;
+std::vector<std::vector<Triangle>> trianglesOfPieces(std::size_t points,
+                                                     const std::vector<Triangle>& triangles) {
+  const SurfaceComponents pieces = findComponents(points, triangles);
+  std::vector<std::vector<Triangle>> result(pieces.count);
+  for (std::size_t t = 0; t < triangles.size(); ++t) result[pieces.ofTriangle[t]].push_back(triangles[t]);
+  return result;
+}
+
+TriangleMesh meshOf(std::vector<Vector3d> points, std::vector<Triangle> triangles) {
+  return {std::move(points), {}, {}, std::move(triangles)};
 }
 
 TriangleMesh partOf(const TriangleMesh& mesh, std::vector<Triangle> triangles) {
-  TriangleMesh part;
-  part.triangles = std::move(triangles);
-  std::vector<std::uint32_t> newIndex(mesh.positions.size(), kNoPoint);
-  for (Triangle& triangle : part.triangles) {
-    for (std::uint32_t& corner : triangle) {
-      if (newIndex[corner] == kNoPoint) {
-        newIndex[corner] = static_cast<std::uint32_t>(part.positions.size());
-        part.positions.push_back(mesh.positions[corner]);
-        if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[corner]);
-        if (!mesh.uvs.empty()) part.uvs.push_back(mesh.uvs[corner]);
-      }
-      corner = newIndex[corner];
-    }
-  }
-  return part;
+  Renumbering numbers(mesh.positions.size());
+  for (Triangle& t : triangles) t = numbers(t);
+  return {chosen(mesh.positions, numbers.kept()), chosen(mesh.normals, numbers.kept()),
+          chosen(mesh.uvs, numbers.kept()), std::move(triangles)};
 }
 
 // --- paths along edges -------------------------------------------------------------------------------------
@@ -116,9 +91,9 @@ void connect(Links& links, const std::vector<Vector3d>& points, std::uint32_t a,
   links[b].push_back({a, length});
 }
 
-Links edgeLinks(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
+Links edgeLinks(const std::vector<Vector3d>& points, const std::vector<Edge>& edges) {
   Links links(points.size());
-  for (const Edge& edge : uniqueEdges(triangles)) connect(links, points, edge[0], edge[1]);
+  for (const Edge& edge : edges) connect(links, points, edge[0], edge[1]);
   return links;
 }
 
@@ -164,6 +139,12 @@ double solidAngle(const TriangleCorners& t, const Vector3d& p) {
   return numerator == 0.0 ? 0.0 : 2.0 * std::atan2(numerator, denominator);
 }
 
+Eigen::AlignedBox3d boxOf(const std::vector<Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : points) box.extend(p);
+  return box;
+}
+
 double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
   if (points.cols() == 0) return 0.0;
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).maxCoeff();
@@ -177,9 +158,13 @@ double extent(const TriangleMesh& mesh) {
 }
 
 double extent(const std::vector<Vector3d>& points) {
-  if (points.empty()) return 0.0;
-  return extent(
-      Eigen::Map<const Eigen::Matrix3Xd>(points.front().data(), 3, static_cast<Eigen::Index>(points.size())));
+  return points.empty() ? 0.0 : boxOf(points).sizes().maxCoeff();
+}
+
+double areaOf(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
+  double area = 0.0;
+  for (const Triangle& t : triangles) area += areaVector(points, t).norm();
+  return area;
 }
 
 double signedVolume(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
@@ -195,8 +180,8 @@ std::vector<Vector3d> vertexNormals(const std::vector<Vector3d>& points,
                                     const std::vector<Triangle>& triangles) {
   std::vector<Vector3d> normals(points.size(), Vector3d::Zero());
   for (const Triangle& t : triangles) {
-    const Vector3d twiceArea = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
-    for (const std::uint32_t corner : t) normals[corner] += twiceArea;
+    const Vector3d vector = areaVector(points, t);
+    for (const std::uint32_t corner : t) normals[corner] += vector;
   }
   for (Vector3d& normal : normals) normal.normalize();
   return normals;
@@ -259,6 +244,190 @@ SegmentPair nearestOnSegments(const Vector3d& a0, const Vector3d& a1, const Vect
   const double t = vv > 0.0 ? std::clamp((uv * s + vw) / vv, 0.0, 1.0) : 0.0;
   s = uu > 0.0 ? std::clamp((uv * t - uw) / uu, 0.0, 1.0) : 0.0;
   return {s, t};
+}
+
+// --- the orientation of closed components ------------------------------------------------------------------
+
+namespace {
+
+struct Component {
+  std::vector<Triangle> triangles;
+  Eigen::AlignedBox3d box;
+  double volume = 0.0;  ///< m^3, signed; 0 unless closed
+};
+
+std::vector<Component> split(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles,
+                             const SurfaceComponents& components) {
+  std::vector<Component> parts(components.count);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    Component& part = parts[components.ofTriangle[t]];
+    part.triangles.push_back(triangles[t]);
+    for (const std::uint32_t corner : triangles[t]) part.box.extend(points[corner]);
+  }
+  for (Component& part : parts) {
+    if (findEdgeDefects(part.triangles).none()) part.volume = signedVolume(points, part.triangles);
+  }
+  return parts;
+}
+
+/// Returns whether a corner of `inner` is inside `outer`. Components that pass through each other are not
+/// within each other.
+bool isWithin(const std::vector<Vector3d>& points, const Component& inner, const Component& outer) {
+  if (!outer.box.contains(inner.box)) return false;
+  const Vector3d& corner = points[inner.triangles.front().front()];
+  double angle = 0.0;
+  for (const Triangle& t : outer.triangles) angle += solidAngle(cornersOf(points, t), corner);
+  return std::abs(angle) > 2.0 * kPi;
+}
+
+const Component& outermostAround(const std::vector<Vector3d>& points, const Component& part,
+                                 const std::vector<Component>& parts) {
+  const Component* outermost = &part;
+  for (const Component& other : parts)
+    if (std::abs(other.volume) > std::abs(outermost->volume) && isWithin(points, part, other))
+      outermost = &other;
+  return *outermost;
+}
+
+}  // namespace
+
+std::vector<bool> facingInward(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles) {
+  const SurfaceComponents components = findComponents(points.size(), triangles);
+  const std::vector<Component> parts = split(points, triangles, components);
+  if (std::none_of(parts.begin(), parts.end(), [](const Component& c) { return c.volume < 0.0; }))
+    return std::vector<bool>(triangles.size(), false);
+  std::vector<bool> flipped;
+  flipped.reserve(parts.size());
+  for (const Component& part : parts)
+    flipped.push_back(part.volume != 0.0 && outermostAround(points, part, parts).volume < 0.0);
+  std::vector<bool> marked;
+  for (const std::uint32_t component : components.ofTriangle) marked.push_back(flipped[component]);
+  return marked;
+}
+
+void flip(std::vector<Triangle>& triangles, const std::vector<bool>& marked) {
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (marked[t]) std::swap(triangles[t][1], triangles[t][2]);
+}
+
+std::vector<Triangle> facingOutward(const std::vector<Vector3d>& points, std::vector<Triangle> triangles) {
+  flip(triangles, facingInward(points, triangles));
+  return triangles;
+}
+
+// --- the orientation of patches ----------------------------------------------------------------------------
+
+namespace {
+
+/// A patch is a set of triangles that are joined by edges of two triangles. It can be oriented consistently,
+/// except for surfaces with one side (Moebius strips).
+struct Patches {
+  std::vector<std::uint32_t> ofTriangle;  ///< #triangles
+  std::vector<char> flipped;  ///< #triangles: against the first triangle of its patch in the orientation
+  std::uint32_t count = 0;
+};
+
+/// Returns for each triangle the neighbours across its three edges, or kNoPoint where the edge is open or of
+/// more than two triangles.
+std::vector<std::array<std::uint32_t, 3>> neighboursOf(const std::vector<Triangle>& triangles) {
+  std::vector<std::array<std::uint32_t, 3>> neighbours(triangles.size(), {kNoPoint, kNoPoint, kNoPoint});
+  forEachEdge(triangles, [&](const Side* sides, std::size_t count) {
+    if (count != 2) return;
+    neighbours[sides[0].triangle][sides[0].corner] = sides[1].triangle;
+    neighbours[sides[1].triangle][sides[1].corner] = sides[0].triangle;
+  });
+  return neighbours;
+}
+
+/// Returns whether the triangle runs from `a` to `b` along one of its sides.
+bool runsAlong(const Triangle& t, std::uint32_t a, std::uint32_t b) {
+  return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
+}
+
+Patches findPatches(const std::vector<Triangle>& triangles) {
+  const auto neighbours = neighboursOf(triangles);
+  Patches patches{std::vector<std::uint32_t>(triangles.size(), kNoPoint),
+                  std::vector<char>(triangles.size(), 0), 0};
+  std::vector<std::uint32_t> front;
+  for (std::uint32_t seed = 0; seed < triangles.size(); ++seed) {
+    if (patches.ofTriangle[seed] != kNoPoint) continue;
+    patches.ofTriangle[seed] = patches.count;
+    front.assign(1, seed);
+    while (!front.empty()) {
+      const std::uint32_t t = front.back();
+      front.pop_back();
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const std::uint32_t other = neighbours[t][c];
+        if (other == kNoPoint || patches.ofTriangle[other] != kNoPoint) continue;
+        const bool against = runsAlong(triangles[other], triangles[t][c], triangles[t][(c + 1) % 3]);
+        patches.ofTriangle[other] = patches.count;
+        patches.flipped[other] = static_cast<char>(patches.flipped[t] != static_cast<char>(against));
+        front.push_back(other);
+      }
+    }
+    ++patches.count;
+  }
+  return patches;
+}
+
+/// A patch in the orientation of its first triangle.
+struct PatchShape {
+  double area = 0.0, agreeing = 0.0;  ///< m^2; of triangles that the mesh orients like this
+  Vector3d moment = Vector3d::Zero(), vector = Vector3d::Zero();  ///< sums of area x centroid, area vectors
+  double flux = 0.0;  ///< m^3, a third of the sum of centroid . area vector, about the origin
+
+  Vector3d centre() const { return area > 0.0 ? Vector3d(moment / area) : Vector3d::Zero(); }
+  double volumeAbout(const Vector3d& p) const { return flux - p.dot(vector) / 3.0; }
+};
+
+/// A patch with more than this sphericity, 36 pi V^2 / A^3, is curved enough that its own volume shows its
+/// outside: a ball has 1, half a ball without its base 0.25, a shallow dish less.
+constexpr double kCurved = 0.02;
+
+/// Returns whether a patch must be turned against the orientation of its first triangle: curved patches
+/// enclose a positive volume with their middle, the others keep the orientation of most of their area if the
+/// mesh gives them one, and else face away from the middle of the mesh.
+bool facesInward(const PatchShape& patch, const Vector3d& middle) {
+  const double own = patch.volumeAbout(patch.centre());
+  if (36.0 * kPi * own * own > kCurved * patch.area * patch.area * patch.area) return own < 0.0;
+  const bool isConsistent = patch.agreeing <= 0.0 || patch.agreeing >= patch.area;
+  return isConsistent ? patch.agreeing <= 0.0 : patch.volumeAbout(middle) < 0.0;
+}
+
+/// Returns the patches in the orientation of their first triangles, and the middle of the mesh, by area.
+std::vector<PatchShape> measurePatches(const std::vector<Vector3d>& points,
+                                       const std::vector<Triangle>& triangles, const Patches& patches,
+                                       Vector3d& middleOfMesh) {
+  std::vector<PatchShape> shapes(patches.count);
+  Vector3d moment = Vector3d::Zero();
+  double area = 0.0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const double sign = patches.flipped[t] ? -1.0 : 1.0;
+    const Vector3d vector = sign * areaVector(points, triangles[t]), middle = centroid(points, triangles[t]);
+    PatchShape& shape = shapes[patches.ofTriangle[t]];
+    shape.area += vector.norm();
+    shape.agreeing += patches.flipped[t] ? 0.0 : vector.norm();
+    shape.moment += vector.norm() * middle;
+    shape.vector += vector;
+    shape.flux += middle.dot(vector) / 3.0;
+    moment += vector.norm() * middle;
+    area += vector.norm();
+  }
+  if (area > 0.0) middleOfMesh = moment / area;
+  return shapes;
+}
+
+}  // namespace
+
+std::vector<bool> patchesFacingInward(const std::vector<Vector3d>& points,
+                                      const std::vector<Triangle>& triangles) {
+  const Patches patches = findPatches(triangles);
+  Vector3d middle = Vector3d::Zero();
+  const std::vector<PatchShape> shapes = measurePatches(points, triangles, patches, middle);
+  std::vector<bool> marked;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    marked.push_back((patches.flipped[t] != 0) != facesInward(shapes[patches.ofTriangle[t]], middle));
+  return marked;
 }
 
 }  // namespace limber

@@ -28,16 +28,22 @@ using Edge = std::array<std::uint32_t, 2>;
 
 inline Edge edgeBetween(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Calls visit(edge, number of its triangles) for the edges of the triangles, sorted.
+/// The side of a triangle from one corner to the next.
+struct Side {
+  Edge edge;
+  std::uint32_t triangle, corner;
+};
+
+/// Returns the sides of the triangles, sorted by their edges, those at one edge by their triangles.
+std::vector<Side> sortedSides(const std::vector<Triangle>& triangles);
+
+/// Calls visit(first, count) for the edges of the triangles, sorted, with the sides at each of them.
 template <class Visit>
 void forEachEdge(const std::vector<Triangle>& triangles, Visit visit) {
-  std::vector<Edge> edges;
-  for (const Triangle& t : triangles)
-    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
-    while (last < edges.size() && edges[last] == edges[first]) ++last;
-    visit(edges[first], last - first);
+  const std::vector<Side> sides = sortedSides(triangles);
+  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+    while (last < sides.size() && sides[last].edge == sides[first].edge) ++last;
+    visit(&sides[first], last - first);
   }
 }
 
@@ -66,6 +72,62 @@ std::vector<std::vector<std::uint32_t>> elementsOfPoints(std::size_t points,
   for (std::uint32_t i = 0; i < all.size(); ++i)
     for (const std::uint32_t corner : all[i]) elements[corner].push_back(i);
   return elements;
+}
+
+/// Gives indices new numbers, in the order in which they are first seen.
+class Renumbering {
+ public:
+  explicit Renumbering(std::size_t count) : numbers_(count, kNoPoint) {}
+
+  std::uint32_t operator()(std::uint32_t index) {
+    std::uint32_t& number = numbers_[index];
+    if (number == kNoPoint) {
+      number = static_cast<std::uint32_t>(kept_.size());
+      kept_.push_back(index);
+    }
+    return number;
+  }
+  template <std::size_t N>
+  std::array<std::uint32_t, N> operator()(std::array<std::uint32_t, N> corners) {
+    for (std::uint32_t& corner : corners) corner = (*this)(corner);
+    return corners;
+  }
+
+  /// Returns the index that has each number.
+  const std::vector<std::uint32_t>& kept() const { return kept_; }
+  bool has(std::uint32_t index) const { return numbers_[index] != kNoPoint; }
+
+ private:
+  std::vector<std::uint32_t> numbers_, kept_;
+};
+
+/// Returns the values with these indices; none if there are no values.
+template <class T>
+std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::uint32_t>& indices) {
+  std::vector<T> result;
+  if (values.empty()) return result;
+  result.reserve(indices.size());
+  for (const std::uint32_t i : indices) result.push_back(values[i]);
+  return result;
+}
+
+/// Sorts values and removes those that occur twice.
+template <class T>
+void sortUnique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// Returns the corners of triangles or tetrahedra, of `points` points, ascending.
+template <class Corners>
+std::vector<std::uint32_t> usedPoints(std::size_t points, const std::vector<Corners>& all) {
+  std::vector<char> isUsed(points, 0);
+  for (const Corners& corners : all)
+    for (const std::uint32_t corner : corners) isUsed[corner] = 1;
+  std::vector<std::uint32_t> used;
+  for (std::uint32_t point = 0; point < points; ++point)
+    if (isUsed[point]) used.push_back(point);
+  return used;
 }
 
 /// Sets of indices that can be joined. The smallest member of a set, its root, identifies it.
@@ -105,7 +167,11 @@ struct SurfaceComponents {
 SurfaceComponents findComponents(std::size_t points, const std::vector<Triangle>& triangles);
 
 /// Returns the triangles of each connected component.
-std::vector<std::vector<Triangle>> trianglesOfPieces(const TriangleMesh& mesh);
+std::vector<std::vector<Triangle>> trianglesOfPieces(std::size_t points,
+                                                     const std::vector<Triangle>& triangles);
+
+/// Returns the mesh of a surface: no normals, no texture coordinates.
+TriangleMesh meshOf(std::vector<Eigen::Vector3d> points, std::vector<Triangle> triangles);
 
 /// Returns the part of a mesh with these of its triangles, and the vertices that they use.
 TriangleMesh partOf(const TriangleMesh& mesh, std::vector<Triangle> triangles);
@@ -119,8 +185,8 @@ using Links = std::vector<std::vector<Link>>;  ///< #points
 
 void connect(Links& links, const std::vector<Eigen::Vector3d>& points, std::uint32_t a, std::uint32_t b);
 
-/// Returns the edges of the triangles from each point.
-Links edgeLinks(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles);
+/// Returns the edges from each point.
+Links edgeLinks(const std::vector<Eigen::Vector3d>& points, const std::vector<Edge>& edges);
 
 /// Returns the length (m) of the shortest path from `from` to each point (E. Dijkstra, 1959), `maxLength` if
 /// there is no shorter one.
@@ -174,12 +240,32 @@ inline Eigen::Vector3d areaVector(const Eigen::Vector3d& a, const Eigen::Vector3
   return 0.5 * (b - a).cross(c - a);
 }
 
+inline TriangleCorners cornersOf(const std::vector<Eigen::Vector3d>& points, const Triangle& t) {
+  return {points[t[0]], points[t[1]], points[t[2]]};
+}
+
+inline Eigen::Vector3d areaVector(const TriangleCorners& t) { return areaVector(t[0], t[1], t[2]); }
+inline Eigen::Vector3d areaVector(const std::vector<Eigen::Vector3d>& points, const Triangle& t) {
+  return areaVector(points[t[0]], points[t[1]], points[t[2]]);
+}
+
+inline Eigen::Vector3d centroid(const TriangleCorners& t) { return (t[0] + t[1] + t[2]) / 3.0; }
+inline Eigen::Vector3d centroid(const std::vector<Eigen::Vector3d>& points, const Triangle& t) {
+  return (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
+}
+
+/// Returns the bounding box of points.
+Eigen::AlignedBox3d boxOf(const std::vector<Eigen::Vector3d>& points);
+
 /// Returns the longest side (m) of the points' bounding box; 0 without points.
 double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& points);
 double extent(const std::vector<Eigen::Vector3d>& points);
 
 /// Returns the same of the triangles: vertices that none uses do not count.
 double extent(const TriangleMesh& mesh);
+
+/// Returns the area of the triangles, m^2.
+double areaOf(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles);
 
 /// Returns the volume (m^3) inside the triangles; negative if they face inward.
 double signedVolume(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles);
@@ -211,16 +297,18 @@ std::vector<Triangle> facingOutward(const std::vector<Eigen::Vector3d>& points,
 
 // --- wraps -------------------------------------------------------------------------------------------------
 
-/// Cells along the longest side of a mesh, unless settings say otherwise; and the default of the other sizes,
-/// in cells.
-constexpr double kWrapCells = 64.0, kWrapWidths = 2.0;
+/// Returns the settings with defaults for the sizes that are 0, of a mesh of this extent (m).
+WrapSettings withDefaults(WrapSettings settings, double extent);
 
 /// Returns the first setting out of range, with the prefix before its name, and its rule; or an empty string.
 std::string checkWrapSettings(const WrapSettings& settings, const std::string& prefix);
 
+/// Fraction of the volume below which wrap() leaves out a piece.
+constexpr double kCrumb = 1e-4;
+
 /// wrap() for functions whose settings contain its settings: errors name the fields with this prefix.
 Result<WrappedMesh> wrapOfField(const TriangleMesh& mesh, const WrapSettings& settings,
-                                const std::string& prefix);
+                                const std::string& prefix, double crumb = kCrumb);
 
 // --- texts -------------------------------------------------------------------------------------------------
 

@@ -58,7 +58,7 @@ bool overlapsBox(const AlignedBox3d& box, const Vector3d& origin, const Vector3d
 TriangleBvh::TriangleBvh(const std::vector<Vector3d>& points, const std::vector<Triangle>& triangles)
     : order_(triangles.size()) {
   corners_.reserve(triangles.size());
-  for (const Triangle& t : triangles) corners_.push_back({points[t[0]], points[t[1]], points[t[2]]});
+  for (const Triangle& t : triangles) corners_.push_back(cornersOf(points, t));
   std::iota(order_.begin(), order_.end(), 0u);
   if (triangles.empty()) return;
   const auto count = static_cast<std::uint32_t>(triangles.size());
@@ -82,7 +82,7 @@ void TriangleBvh::setDipole(Node& node, std::uint32_t first, std::uint32_t count
   Vector3d moment = Vector3d::Zero();
   for (std::uint32_t i = first; i < first + count; ++i) {
     const TriangleCorners& t = corners_[order_[i]];
-    const Vector3d vector = areaVector(t[0], t[1], t[2]);
+    const Vector3d vector = areaVector(t);
     node.areaNormal += vector;
     area += vector.norm();
     moment += vector.norm() / 3.0 * (t[0] + t[1] + t[2]);
@@ -197,7 +197,7 @@ TriangleHit TriangleBvh::nearestWithin(const Vector3d& position, double distance
   double best = distance * distance;
   const auto visit = [&](std::uint32_t triangle) {
     const TriangleCorners& t = corners_[triangle];
-    if (areaVector(t[0], t[1], t[2]).dot(normal) < 0.0) return;
+    if (areaVector(t).dot(normal) < 0.0) return;
     const Vector3d barycentric = nearestBarycentric(t, position), foot = pointAt(t, barycentric);
     const double squared = (foot - position).squaredNorm();
     if (squared > best || (squared == best && triangle > hit.triangle)) return;
@@ -221,12 +221,6 @@ TriangleHit TriangleBvh::nearestWithin(const Vector3d& position, double distance
   return hit;
 }
 
-TriangleHit TriangleBvh::nearest(const Vector3d& position) const { return nearestWithin(position, HUGE_VAL); }
-
-TriangleHit TriangleBvh::nearestFacing(const Vector3d& position, const Vector3d& normal) const {
-  return nearestWithin(position, HUGE_VAL, normal);
-}
-
 double TriangleBvh::windingNumber(const Vector3d& position) const {
   double angle = 0.0;
   const auto entersNearNodes = [&](const Node& node) {
@@ -242,28 +236,17 @@ double TriangleBvh::windingNumber(const Vector3d& position) const {
   return angle / (4.0 * kPi);
 }
 
-bool TriangleBvh::isInsideOrNear(const Vector3d& position, double tolerance) const {
-  return nearestWithin(position, tolerance) || inside(position);
-}
-
-/// Returns the positions where the segment from a (0) to b (1) intersects triangles, ascending.
-std::vector<double> TriangleBvh::crossings(const Vector3d& a, const Vector3d& b) const {
-  std::vector<double> fractions;
-  forEachCrossing(a, b, kCutMargin, [&](std::uint32_t, double along) {
-    if (along > 0.0 && along < 1.0) fractions.push_back(along);
-  });
-  std::sort(fractions.begin(), fractions.end());
-  return fractions;
-}
-
 /// The crossings cut the segment into pieces. A closed surface has each piece wholly on one side, so one
 /// sample per piece would be enough. Three samples also detect most paths through a hole. More are used where
 /// the piece runs along the surface, in a flat face, where rounding decides which crossings are found.
 bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double tolerance) const {
   const Vector3d from = a + kEndFraction * (b - a), to = b + kEndFraction * (a - b);
   const double length = (to - from).norm(), nearDistance = std::max(tolerance, margin_);
-  std::vector<double> cuts = crossings(from, to);
-  cuts.push_back(1.0);
+  std::vector<double> cuts{1.0};
+  forEachCrossing(from, to, kCutMargin, [&](std::uint32_t, double along) {
+    if (along > 0.0 && along < 1.0) cuts.push_back(along);
+  });
+  std::sort(cuts.begin(), cuts.end());
   double begin = 0.0;
   for (const double end : cuts) {
     const double pieceLength = (end - begin) * length;
@@ -275,7 +258,8 @@ bool TriangleBvh::staysInside(const Vector3d& a, const Vector3d& b, double toler
       const int samplesByLength = static_cast<int>(std::min(pieceLength / nearDistance, double(kMaxSamples)));
       const int samples = alongSurface ? std::max(samplesByLength, 3) : 3;
       for (int i = 0; i < samples; ++i) {
-        if (!isInsideOrNear(at((i + 0.5) / samples), nearDistance)) return false;
+        const Vector3d sample = at((i + 0.5) / samples);
+        if (!nearestWithin(sample, nearDistance) && !inside(sample)) return false;
       }
     }
     begin = end;

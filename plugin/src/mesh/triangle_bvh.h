@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -40,15 +41,11 @@ class TriangleBvh {
   /// more than a millionth of its length on either side.
   bool isPierced(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                  const std::function<bool(std::uint32_t)>& accepts) const;
-  TriangleHit nearest(const Eigen::Vector3d& position) const;
-
   /// Returns the nearest triangle up to `distance` (m), if there is one. Of those that face against `normal`
   /// none counts.
   TriangleHit nearestWithin(const Eigen::Vector3d& position, double distance,
                             const Eigen::Vector3d& normal = Eigen::Vector3d::Zero()) const;
-
-  /// Returns the nearest of the triangles whose normal does not point against `normal`, if there are any.
-  TriangleHit nearestFacing(const Eigen::Vector3d& position, const Eigen::Vector3d& normal) const;
+  TriangleHit nearest(const Eigen::Vector3d& position) const { return nearestWithin(position, HUGE_VAL); }
 
   /// Returns the generalized winding number (Jacobson, Kavan, Sorkine 2013; far triangles by their dipole,
   /// Barill et al. 2018): 1 inside a closed surface, 0 outside, between them near holes.
@@ -74,8 +71,6 @@ class TriangleBvh {
   void traverse(Enters enters, PrefersSecond prefersSecond, Visit visit) const;
   template <class Visit>
   void forEachCrossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double margin, Visit visit) const;
-  bool isInsideOrNear(const Eigen::Vector3d& position, double tolerance) const;
-  std::vector<double> crossings(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 
   std::vector<TriangleCorners> corners_;  ///< #triangles
   std::vector<std::uint32_t> order_;      ///< triangles in the order of the leaves

@@ -144,26 +144,10 @@ std::vector<std::uint32_t> mergeNearby(const std::vector<Eigen::Vector3d>& posit
 /// precision cannot distinguish its corners from points on a line.
 constexpr double kMinHeight = 1e-7;
 
-/// Returns the vertices that some triangle uses, in ascending order.
-std::vector<std::uint32_t> usedVertices(std::size_t vertices, const std::vector<Triangle>& triangles) {
-  std::vector<char> isUsed(vertices, 0);
-  for (const Triangle& t : triangles) {
-    for (const std::uint32_t vertex : t) isUsed[vertex] = 1;
-  }
-  std::vector<std::uint32_t> used;
-  for (std::uint32_t vertex = 0; vertex < vertices; ++vertex) {
-    if (isUsed[vertex]) used.push_back(vertex);
-  }
-  return used;
-}
-
 /// Returns for each used vertex the vertex whose position it gets; kNoPoint for the others.
 std::vector<std::uint32_t> joinVertices(const TriangleMesh& mesh, double tolerance) {
-  const std::vector<std::uint32_t> used = usedVertices(mesh.positions.size(), mesh.triangles);
-  std::vector<Eigen::Vector3d> positions;
-  positions.reserve(used.size());
-  for (const std::uint32_t vertex : used) positions.push_back(mesh.positions[vertex]);
-
+  const std::vector<std::uint32_t> used = usedPoints(mesh.positions.size(), mesh.triangles);
+  const std::vector<Eigen::Vector3d> positions = chosen(mesh.positions, used);
   const std::vector<std::uint32_t> joined =
       tolerance > 0.0 ? mergeNearby(positions, tolerance) : mergeEqual(positions);
   std::vector<std::uint32_t> joinedVertex(mesh.positions.size(), kNoPoint);
@@ -210,20 +194,13 @@ void keepValidTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_
 /// Numbers the points in the order of the first vertex that uses them, and sets their numbers in the
 /// triangles.
 void numberPoints(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined, WeldedMesh& welded) {
-  std::vector<Triangle> triangles;
-  for (const std::uint32_t i : welded.keptTriangles) triangles.push_back(mesh.triangles[i]);
-
-  std::vector<std::uint32_t> pointOf(mesh.positions.size(), kNoPoint);  // by joined vertex
-  welded.vertexToPoint.assign(mesh.positions.size(), kNoPoint);
-  for (const std::uint32_t vertex : usedVertices(mesh.positions.size(), triangles)) {
-    std::uint32_t& point = pointOf[joined[vertex]];
-    if (point == kNoPoint) {
-      point = static_cast<std::uint32_t>(welded.points.size());
-      welded.points.push_back(mesh.positions[joined[vertex]]);
-    }
-    welded.vertexToPoint[vertex] = point;
-  }
-  for (Triangle& t : welded.triangles) t = {pointOf[t[0]], pointOf[t[1]], pointOf[t[2]]};
+  const std::size_t vertices = mesh.positions.size();
+  Renumbering numbers(vertices);  // of the joined vertices
+  welded.vertexToPoint.assign(vertices, kNoPoint);
+  for (const std::uint32_t vertex : usedPoints(vertices, chosen(mesh.triangles, welded.keptTriangles)))
+    welded.vertexToPoint[vertex] = numbers(joined[vertex]);
+  welded.points = chosen(mesh.positions, numbers.kept());
+  for (Triangle& t : welded.triangles) t = numbers(t);
 }
 
 void completeReport(WeldedMesh& welded) {

@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -29,22 +28,21 @@ using Triangles = std::vector<Triangle>;
 
 // --- samples on a grid -------------------------------------------------------------------------------------
 
-/// Cubic cells; their nodes are numbered x first, then y, then z.
+/// Samples at the nodes of cubic cells, which are numbered x first, then y, then z: negative inside the body.
 struct Grid {
   Vector3d origin = Vector3d::Zero();  ///< m, of node 0
   double width = 0.0;                  ///< m, of a cell
   Vector3i nodes = Vector3i::Zero();   ///< along each axis
+  std::vector<double> values{};        ///< #nodes
 
-  std::size_t size() const {
-    return static_cast<std::size_t>(nodes[0]) * static_cast<std::size_t>(nodes[1]) *
-           static_cast<std::size_t>(nodes[2]);
-  }
   std::size_t index(const Vector3i& n) const {
     return static_cast<std::size_t>(n[0]) +
            static_cast<std::size_t>(nodes[0]) *
                (static_cast<std::size_t>(n[1]) +
                 static_cast<std::size_t>(nodes[1]) * static_cast<std::size_t>(n[2]));
   }
+  double& operator[](const Vector3i& n) { return values[index(n)]; }
+  double operator[](const Vector3i& n) const { return values[index(n)]; }
   Vector3d position(const Vector3i& n) const { return origin + width * n.cast<double>(); }
 };
 
@@ -88,8 +86,8 @@ struct Source {
   Points points;
   Triangles triangles;
   TriangleBvh bvh;
-  double resolution, thickness, join;  ///< m
-  bool isClosed;                       ///< winding numbers change at its triangles only
+  WrapSettings sizes;  ///< with defaults
+  bool isClosed;       ///< winding numbers change at its triangles only
 };
 
 /// At caps over holes there is no surface whose distance could place the boundary; there the winding number
@@ -99,7 +97,7 @@ constexpr double kCellsPerHalf = 2.0;
 /// Returns the value of a place that is not near a sheet: negative inside, its size (m) the distance from the
 /// surface or from a cap. `excess`: by how much its winding number is below 1/2.
 double solidValue(const Source& source, const Vector3d& p, double excess) {
-  const double most = 2.0 * kCellsPerHalf * source.resolution * std::abs(excess);
+  const double most = 2.0 * kCellsPerHalf * source.sizes.resolution * std::abs(excess);
   const TriangleHit surface = source.bvh.nearestWithin(p, most);
   const double size = surface ? surface.distance : most;
   return excess < 0.0 ? -size : size;
@@ -127,32 +125,27 @@ bool isUniform(const Source& source, const Grid& grid, const Vector3i& low, cons
   return inside == 0 || inside == 8;
 }
 
-/// Returns the value of each node. Values of blocks far from the surface are bounds.
-std::vector<double> sampleOpen(const Source& source, const Grid& grid) {
-  std::vector<double> values(grid.size());
+/// Sets the value of each node. Values of blocks far from the surface are bounds.
+void sampleOpen(const Source& source, Grid& grid) {
   forEachBlock(grid, [&](const Vector3i& low, const Vector3i& high) {
     double value = 0.0;
     const bool isSame = isUniform(source, grid, low, high, value);
     forEachNode(low, high, [&](const Vector3i& n) {
       const Vector3d p = grid.position(n);
-      values[grid.index(n)] = isSame ? value : solidValue(source, p, 0.5 - source.bvh.windingNumber(p));
+      grid[n] = isSame ? value : solidValue(source, p, 0.5 - source.bvh.windingNumber(p));
     });
   });
-  return values;
 }
 
-/// Returns the distance of each node from the surface, m, or a lower bound of more than a cell.
-std::vector<double> sampleDistances(const Source& source, const Grid& grid) {
-  std::vector<double> distances(grid.size());
+/// Sets the value of each node to its distance from the surface, m, or a lower bound of more than a cell.
+void sampleDistances(const Source& source, Grid& grid) {
   forEachBlock(grid, [&](const Vector3i& low, const Vector3i& high) {
     const Vector3d a = grid.position(low), b = grid.position(high);
     const double ofBlock = source.bvh.nearest(0.5 * (a + b)).distance - 0.5 * (b - a).norm();
     forEachNode(low, high, [&](const Vector3i& n) {
-      distances[grid.index(n)] =
-          ofBlock < grid.width ? std::abs(solidValue(source, grid.position(n), 0.5)) : ofBlock;
+      grid[n] = ofBlock < grid.width ? std::abs(solidValue(source, grid.position(n), 0.5)) : ofBlock;
     });
   });
-  return distances;
 }
 
 /// Neighbours whose distances from a closed surface add up to more than this many cells are linked: it does
@@ -160,21 +153,19 @@ std::vector<double> sampleDistances(const Source& source, const Grid& grid) {
 constexpr double kLinked = 1.001;
 
 /// Makes the value of the node and of all nodes that are linked to it negative if it is inside.
-void spreadSide(const Source& source, const Grid& grid, const Vector3i& from, std::vector<char>& known,
-                std::vector<double>& values) {
+void spreadSide(const Source& source, const Vector3i& from, std::vector<char>& known, Grid& grid) {
   const double sign = source.bvh.inside(grid.position(from)) ? -1.0 : 1.0;
   std::vector<Vector3i> waiting{from};
   known[grid.index(from)] = 1;
   while (!waiting.empty()) {
     const Vector3i n = waiting.back();
     waiting.pop_back();
-    double& value = values[grid.index(n)];
+    double& value = grid[n];
     for (int side = 0; side < 6; ++side) {
       const Vector3i next = n + (side % 2 == 0 ? 1 : -1) * Vector3i::Unit(side / 2);
       if ((next.array() < 0).any() || (next.array() >= grid.nodes.array()).any()) continue;
-      const std::size_t i = grid.index(next);
-      if (known[i] || !(value + values[i] > kLinked * grid.width)) continue;
-      known[i] = 1;
+      if (known[grid.index(next)] || !(value + grid[next] > kLinked * grid.width)) continue;
+      known[grid.index(next)] = 1;
       waiting.push_back(next);
     }
     value *= sign;
@@ -182,29 +173,28 @@ void spreadSide(const Source& source, const Grid& grid, const Vector3i& from, st
 }
 
 /// The same as sampleOpen() for a closed surface: few winding numbers tell the sides of all nodes.
-std::vector<double> sampleClosed(const Source& source, const Grid& grid) {
-  std::vector<double> values = sampleDistances(source, grid);
-  std::vector<char> known(values.size(), 0);
+void sampleClosed(const Source& source, Grid& grid) {
+  sampleDistances(source, grid);
+  std::vector<char> known(grid.values.size(), 0);
   forEachNode(Vector3i::Zero(), grid.nodes.array() - 1, [&](const Vector3i& n) {
-    if (!known[grid.index(n)]) spreadSide(source, grid, n, known, values);
+    if (!known[grid.index(n)]) spreadSide(source, n, known, grid);
   });
-  return values;
 }
 
 /// Where triangles of several sheets meet, patches can be oriented against each other, and places far outside
 /// then seem inside. No orientation is right in this case: all triangles count as sheets.
-void distrustInsides(const Grid& grid, std::vector<double>& values) {
+void distrustInsides(Grid& grid) {
   bool reachesBorder = false;
   forEachNode(Vector3i::Zero(), grid.nodes.array() - 1, [&](const Vector3i& n) {
     const bool isBorder = (n.array() == 0).any() || (n.array() == grid.nodes.array() - 1).any();
-    reachesBorder = reachesBorder || (isBorder && values[grid.index(n)] < 0.0);
+    reachesBorder = reachesBorder || (isBorder && grid[n] < 0.0);
   });
   if (!reachesBorder) return;
-  for (double& value : values) value = std::abs(value);
+  for (double& value : grid.values) value = std::abs(value);
 }
 
 /// Unites the inside with all places within half the thickness of the triangles.
-void thicken(const Soup& soup, double thickness, const Grid& grid, std::vector<double>& values) {
+void thicken(const Soup& soup, double thickness, Grid& grid) {
   if (soup.triangles.empty()) return;
   const TriangleBvh bvh(soup.points, soup.triangles);
   const double radius = 0.5 * thickness, far = radius + 2.0 * grid.width;
@@ -212,7 +202,7 @@ void thicken(const Soup& soup, double thickness, const Grid& grid, std::vector<d
     const Vector3d a = grid.position(low), b = grid.position(high);
     if (bvh.nearest(0.5 * (a + b)).distance > 0.5 * (b - a).norm() + far) return;
     forEachNode(low, high, [&](const Vector3i& n) {
-      double& value = values[grid.index(n)];
+      double& value = grid[n];
       if (!(value > -radius)) return;
       if (const TriangleHit near = bvh.nearestWithin(grid.position(n), value + radius))
         value = std::min(value, near.distance - radius);
@@ -278,7 +268,8 @@ std::vector<double> distanceTo(const Grid& grid, const std::vector<char>& marked
 /// Fills gaps narrower than `join`, by a morphological closing: what is nearer than join / 2 to the inside is
 /// kept where nothing else is near. The nearest marked node is up to a cell farther than the nearest place,
 /// so a flat surface only stays where it is with a cell of tolerance.
-void fillGaps(const Grid& grid, double join, std::vector<double>& values) {
+void fillGaps(double join, Grid& grid) {
+  std::vector<double>& values = grid.values;
   std::vector<char> inside(values.size()), clear(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) inside[i] = values[i] < 0.0;
   const std::vector<double> toInside = distanceTo(grid, inside);
@@ -297,7 +288,7 @@ constexpr double kMinFraction = 0.02;
 /// tetrahedra around its diagonal (H. Kuhn), so the surface is closed and a manifold.
 class Boundary {
  public:
-  Boundary(const Grid& grid, const std::vector<double>& values) : grid_(grid), values_(values) {}
+  explicit Boundary(const Grid& grid) : grid_(grid) {}
 
   TriangleMesh extract() {
     static constexpr std::array<std::array<int, 2>, 6> kPaths{
@@ -313,9 +304,7 @@ class Boundary {
   }
 
  private:
-  double value(const Vector3i& cell, int corner) const {
-    return values_[grid_.index(cell + cornerOffset(corner))];
-  }
+  double value(const Vector3i& cell, int corner) const { return grid_[cell + cornerOffset(corner)]; }
 
   bool isCrossed(const Vector3i& cell) const {
     int inside = 0;
@@ -361,24 +350,21 @@ class Boundary {
   }
 
   const Grid& grid_;
-  const std::vector<double>& values_;
   TriangleMesh mesh_;
   std::unordered_map<std::size_t, std::uint32_t> vertexOfEdge_;
 };
 
-/// Pieces of less than this fraction of the volume are left out.
-constexpr double kCrumb = 1e-4;
-
-/// Extracts the surface without small pieces, counts them and measures their volume.
-void extractPieces(const Grid& grid, const std::vector<double>& values, WrappedMesh& wrapped) {
-  const TriangleMesh mesh = Boundary(grid, values).extract();
+/// Extracts the surface without pieces of less than the fraction `crumb` of the volume, counts them and
+/// measures their volume.
+void extractPieces(const Grid& grid, double crumb, WrappedMesh& wrapped) {
+  const TriangleMesh mesh = Boundary(grid).extract();
   wrapped.pieces = wrapped.crumbs = 0;
   wrapped.volume = 0.0;
   const double all = signedVolume(mesh.positions, mesh.triangles);
   Triangles kept;
-  for (const Triangles& part : trianglesOfPieces(mesh)) {
+  for (const Triangles& part : trianglesOfPieces(mesh.positions.size(), mesh.triangles)) {
     const double volume = signedVolume(mesh.positions, part);
-    if (std::abs(volume) < kCrumb * all) {
+    if (std::abs(volume) < crumb * all) {
       ++wrapped.crumbs;
       continue;
     }
@@ -392,7 +378,7 @@ void extractPieces(const Grid& grid, const std::vector<double>& values, WrappedM
 // --- thin parts --------------------------------------------------------------------------------------------
 
 /// Returns the trilinear interpolation of the values at a place inside the grid.
-double interpolate(const Grid& grid, const std::vector<double>& values, const Vector3d& p) {
+double interpolate(const Grid& grid, const Vector3d& p) {
   const Vector3d cells = (p - grid.origin) / grid.width;
   const Vector3i low = cells.array().floor().cast<int>().max(0).min(grid.nodes.array() - 2);
   const Vector3d upper = cells - low.cast<double>();
@@ -401,49 +387,42 @@ double interpolate(const Grid& grid, const std::vector<double>& values, const Ve
     const Vector3i offset = cornerOffset(corner);
     double weight = 1.0;
     for (int i = 0; i < 3; ++i) weight *= offset[i] ? upper[i] : 1.0 - upper[i];
-    sum += weight * values[grid.index(low + offset)];
+    sum += weight * grid[low + offset];
   }
   return sum;
 }
 
-/// The sampled insides of a mesh, before thin parts are thickened.
-struct Sampled {
-  const Grid& grid;
-  const std::vector<double>& values;
-
-  bool inside(const Vector3d& p) const { return interpolate(grid, values, p) < 0.0; }
-};
+bool isInside(const Grid& grid, const Vector3d& p) { return interpolate(grid, p) < 0.0; }
 
 /// Returns how many of four samples of the triangle have an outside place below them, as deep as the
 /// thickness.
-int thinSamples(const Sampled& sampled, double thickness, const TriangleCorners& t, const Vector3d& normal) {
-  const Vector3d middle = (t[0] + t[1] + t[2]) / 3.0, below = -thickness * normal;
+int thinSamples(const Grid& grid, double thickness, const TriangleCorners& t, const Vector3d& normal) {
+  const Vector3d middle = centroid(t), below = -thickness * normal;
   int thin = 0;
   for (const Vector3d& p : {middle, Vector3d(0.5 * (middle + t[0])), Vector3d(0.5 * (middle + t[1])),
                             Vector3d(0.5 * (middle + t[2]))})
-    thin += sampled.inside(p + below) ? 0 : 1;
+    thin += isInside(grid, p + below) ? 0 : 1;
   return thin;
 }
 
 /// Returns the distance (m) of the middle of the part from its triangle: half of that to the opposite side.
 /// A single sheet has no other side.
 double halfDepth(const Source& source, const TriangleCorners& t, const Vector3d& normal) {
-  const Vector3d middle = (t[0] + t[1] + t[2]) / 3.0;
-  const double start = 1e-3 * source.resolution;
-  const TriangleHit hit = source.bvh.firstHit(middle, -normal, start, source.thickness);
+  const double start = 1e-3 * source.sizes.resolution;
+  const TriangleHit hit = source.bvh.firstHit(centroid(t), -normal, start, source.sizes.thickness);
   return hit ? 0.5 * hit.distance : 0.0;
 }
 
 /// Returns the middle surfaces of the parts that are thinner than the thickness. Sets the fraction of
 /// the area that they have.
-Soup findThinParts(const Source& source, const Sampled& sampled, double& fraction) {
+Soup findThinParts(const Source& source, const Grid& grid, double& fraction) {
   Soup thin;
   double area = 0.0, thinArea = 0.0;
   for (const Triangle& corners : source.triangles) {
-    const TriangleCorners t{source.points[corners[0]], source.points[corners[1]], source.points[corners[2]]};
-    const Vector3d vector = areaVector(t[0], t[1], t[2]), normal = vector.normalized();
+    const TriangleCorners t = cornersOf(source.points, corners);
+    const Vector3d vector = areaVector(t), normal = vector.normalized();
     area += vector.norm();
-    if (thinSamples(sampled, source.thickness, t, normal) < 2) continue;
+    if (thinSamples(grid, source.sizes.thickness, t, normal) < 2) continue;
     const Vector3d inward = -halfDepth(source, t, normal) * normal;
     thin.add(t[0] + inward, t[1] + inward, t[2] + inward);
     thinArea += vector.norm();
@@ -453,12 +432,12 @@ Soup findThinParts(const Source& source, const Sampled& sampled, double& fractio
 }
 
 /// Returns whether the inside has gaps between its parts around an edge, at this distance (m) from it.
-bool isPinched(const Sampled& sampled, const Vector3d& a, const Vector3d& b, double radius) {
+bool isPinched(const Grid& grid, const Vector3d& a, const Vector3d& b, double radius) {
   constexpr int kDirections = 16;
   const Vector3d u = (b - a).normalized().unitOrthogonal(), v = (b - a).normalized().cross(u);
   const auto inside = [&](int i) {
     const double angle = 2.0 * kPi * i / kDirections;
-    return sampled.inside(0.5 * (a + b) + radius * (std::cos(angle) * u + std::sin(angle) * v));
+    return isInside(grid, 0.5 * (a + b) + radius * (std::cos(angle) * u + std::sin(angle) * v));
   };
   int entries = 0;
   for (int i = 0; i < kDirections; ++i) entries += inside(i) && !inside(i + 1) ? 1 : 0;
@@ -466,10 +445,10 @@ bool isPinched(const Sampled& sampled, const Vector3d& a, const Vector3d& b, dou
 }
 
 /// Adds the edges in which solids touch, as triangles without area: there the solid has no thickness.
-void addPinches(const Source& source, const Sampled& sampled, Soup& thin) {
-  forEachEdge(source.triangles, [&](const Edge& edge, std::size_t uses) {
-    const Vector3d &a = source.points[edge[0]], &b = source.points[edge[1]];
-    if (uses > 2 && isPinched(sampled, a, b, 0.5 * source.thickness)) thin.add(a, b, b);
+void addPinches(const Source& source, const Grid& grid, Soup& thin) {
+  forEachEdge(source.triangles, [&](const Side* sides, std::size_t uses) {
+    const Vector3d &a = source.points[sides->edge[0]], &b = source.points[sides->edge[1]];
+    if (uses > 2 && isPinched(grid, a, b, 0.5 * source.sizes.thickness)) thin.add(a, b, b);
   });
 }
 
@@ -482,7 +461,7 @@ constexpr std::size_t kRodEnds = 64;
 /// outside.
 std::vector<Points> rodEnds(const TriangleMesh& mesh) {
   std::vector<Points> ends;
-  for (const Triangles& piece : trianglesOfPieces(mesh)) {
+  for (const Triangles& piece : trianglesOfPieces(mesh.positions.size(), mesh.triangles)) {
     if (signedVolume(mesh.positions, piece) <= 0.0) continue;
     ends.emplace_back();
     for (std::size_t t = 0; t < piece.size(); t += 1 + piece.size() / kRodEnds)
@@ -532,52 +511,49 @@ Soup findRods(const TriangleMesh& mesh, double thickness) {
 /// Largest number of cells of the grid.
 constexpr double kMaxCells = 1e7;
 
-Grid gridAround(const Eigen::AlignedBox3d& box, double width, double margin) {
-  Grid grid;
-  grid.width = width;
-  grid.nodes = ((box.sizes().array() + 2.0 * margin) / width).ceil().cast<int>() + 1;
-  grid.origin = box.center() - 0.5 * width * (grid.nodes.array() - 1).matrix().cast<double>();
-  return grid;
-}
-
 /// Meshes of more triangles are welded to a fraction of a cell first: finer details have no effect.
 constexpr std::size_t kManyTriangles = 20000;
 constexpr double kDetail = 0.25;  // cells
 
 /// Returns the mesh as samples need it, or the reason why not.
-Result<Source> makeSource(const TriangleMesh& mesh, const WrapSettings& settings) {
+Result<Source> makeSource(const TriangleMesh& mesh, WrapSettings settings) {
   Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
-  const double size = extent(welded->points);
-  const double resolution = settings.resolution > 0.0 ? settings.resolution : size / kWrapCells;
+  settings = withDefaults(settings, extent(welded->points));
   if (welded->triangles.size() > kManyTriangles)
-    if (Result<WeldedMesh> coarser = weld(mesh, kDetail * resolution)) welded = std::move(coarser);
+    if (Result<WeldedMesh> coarser = weld(mesh, kDetail * settings.resolution)) welded = std::move(coarser);
   flip(welded->triangles, patchesFacingInward(welded->points, welded->triangles));
   TriangleBvh bvh(welded->points, welded->triangles);
   const bool isClosed = findEdgeDefects(welded->triangles).none();
-  return Source{std::move(welded->points),
-                std::move(welded->triangles),
-                std::move(bvh),
-                resolution,
-                settings.thickness > 0.0 ? settings.thickness : kWrapWidths * resolution,
-                settings.join > 0.0 ? settings.join : kWrapWidths * resolution,
-                isClosed};
+  return Source{std::move(welded->points), std::move(welded->triangles), std::move(bvh), settings, isClosed};
 }
 
 /// Returns a grid with room for all changes around the mesh, or the reason why it is too large.
 Result<Grid> makeGrid(const Source& source, const std::string& prefix) {
-  const double margin = 0.5 * (source.thickness + source.join) + 2.0 * source.resolution;
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : source.points) box.extend(p);
-  const double cells = ((box.sizes().array() + 2.0 * margin) / source.resolution + 1.0).prod();
+  const double margin = 0.5 * (source.sizes.thickness + source.sizes.join) + 2.0 * source.sizes.resolution;
+  const Eigen::AlignedBox3d box = boxOf(source.points);
+  const double cells = ((box.sizes().array() + 2.0 * margin) / source.sizes.resolution + 1.0).prod();
   if (!(cells <= kMaxCells))
-    return Error{prefix + "resolution is " + inThreeDigits(source.resolution) +
+    return Error{prefix + "resolution is " + inThreeDigits(source.sizes.resolution) +
                  " m, must be larger: it needs " + inThreeDigits(cells) + " cells, of " +
                  inThreeDigits(kMaxCells) + " at most"};
-  return gridAround(box, source.resolution, margin);
+  Grid grid;
+  grid.width = source.sizes.resolution;
+  grid.nodes = ((box.sizes().array() + 2.0 * margin) / grid.width).ceil().cast<int>() + 1;
+  grid.origin = box.center() - 0.5 * grid.width * (grid.nodes.array() - 1).matrix().cast<double>();
+  grid.values.resize(grid.index(grid.nodes.array() - 1) + 1);
+  return grid;
 }
 
 }  // namespace
+
+WrapSettings withDefaults(WrapSettings settings, double extent) {
+  constexpr double kCells = 64.0, kWidths = 2.0;  // along the longest side; of the other sizes
+  if (!(settings.resolution > 0.0)) settings.resolution = extent / kCells;
+  if (!(settings.thickness > 0.0)) settings.thickness = kWidths * settings.resolution;
+  if (!(settings.join > 0.0)) settings.join = kWidths * settings.resolution;
+  return settings;
+}
 
 std::string checkWrapSettings(const WrapSettings& s, const std::string& prefix) {
   const std::array<std::pair<const char*, double>, 3> all{
@@ -593,30 +569,30 @@ Result<WrappedMesh> wrap(const TriangleMesh& mesh, const WrapSettings& settings)
 }
 
 Result<WrappedMesh> wrapOfField(const TriangleMesh& mesh, const WrapSettings& settings,
-                                const std::string& prefix) {
+                                const std::string& prefix, double crumb) {
   if (std::string reason = checkWrapSettings(settings, prefix); !reason.empty())
     return Error{std::move(reason)};
   const Result<Source> source = makeSource(mesh, settings);
   if (!source) return Error{source.error()};
-  const Result<Grid> grid = makeGrid(*source, prefix);
+  Result<Grid> grid = makeGrid(*source, prefix);
   if (!grid) return Error{grid.error()};
   WrappedMesh wrapped;
-  wrapped.resolution = source->resolution;
-  wrapped.thickness = source->thickness;
-  wrapped.join = source->join;
-  std::vector<double> values = source->isClosed ? sampleClosed(*source, *grid) : sampleOpen(*source, *grid);
-  distrustInsides(*grid, values);
-  Soup thin = findThinParts(*source, {*grid, values}, wrapped.thinFraction);
-  addPinches(*source, {*grid, values}, thin);
-  thicken(thin, source->thickness, *grid, values);
-  fillGaps(*grid, source->join, values);
-  extractPieces(*grid, values, wrapped);
+  wrapped.resolution = source->sizes.resolution;
+  wrapped.thickness = source->sizes.thickness;
+  wrapped.join = source->sizes.join;
+  source->isClosed ? sampleClosed(*source, *grid) : sampleOpen(*source, *grid);
+  distrustInsides(*grid);
+  Soup thin = findThinParts(*source, *grid, wrapped.thinFraction);
+  addPinches(*source, *grid, thin);
+  thicken(thin, source->sizes.thickness, *grid);
+  fillGaps(source->sizes.join, *grid);
+  extractPieces(*grid, crumb, wrapped);
   if (settings.connect && wrapped.pieces > 1) {
-    const Soup rods = findRods(wrapped.mesh, source->thickness);
+    const Soup rods = findRods(wrapped.mesh, source->sizes.thickness);
     if (rods.triangles.empty()) return wrapped;
-    thicken(rods, source->thickness, *grid, values);
+    thicken(rods, source->sizes.thickness, *grid);
     wrapped.rods = rods.triangles.size();
-    extractPieces(*grid, values, wrapped);
+    extractPieces(*grid, crumb, wrapped);
   }
   if (wrapped.mesh.triangles.empty()) return Error{"the mesh has no extent that could be wrapped"};
   return wrapped;

@@ -4,13 +4,10 @@
 
 #include "network/bracing.h"
 
-#include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
 #include "network/modes.h"
 #include "network/relaxation.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
@@ -21,57 +18,66 @@
 
 namespace limber {
 
-std::vector<Edge> findTwoRingPairs(std::size_t points, const std::vector<Edge>& edges) {
-  std::vector<std::vector<std::uint32_t>> neighbours(points);
-  for (const Edge& e : edges) {
-    neighbours[e[0]].push_back(e[1]);
-    neighbours[e[1]].push_back(e[0]);
+std::vector<std::vector<std::uint32_t>> neighboursOf(const SpringNetwork& network) {
+  std::vector<std::vector<std::uint32_t>> neighbours(network.restPoints.size());
+  for (const NetworkSpring& s : network.springs) {
+    neighbours[s.a].push_back(s.b);
+    neighbours[s.b].push_back(s.a);
   }
+  return neighbours;
+}
+
+/// Returns the one of the neighbours of a point that is most nearly on its other side as seen from `a`.
+static std::uint32_t oppositeOf(std::uint32_t a, const std::vector<Eigen::Vector3d>& points,
+                                std::uint32_t point, const std::vector<std::uint32_t>& neighbours) {
+  const Eigen::Vector3d there = points[a] - points[point];
+  const auto cosine = [&](std::uint32_t b) {
+    return there.dot((points[b] - points[point]).normalized());  // times a constant
+  };
+  return *std::min_element(neighbours.begin(), neighbours.end(),
+                           [&](std::uint32_t b, std::uint32_t c) { return cosine(b) < cosine(c); });
+}
+
+std::vector<Edge> findTwoRingPairs(const SpringNetwork& network, std::size_t maxNeighbours) {
+  const std::vector<std::vector<std::uint32_t>> neighbours = neighboursOf(network);
   std::vector<Edge> pairs;
-  for (const std::vector<std::uint32_t>& around : neighbours)
-    for (const std::uint32_t a : around)
-      for (const std::uint32_t b : around)
-        if (a < b && !std::binary_search(edges.begin(), edges.end(), Edge{a, b})) pairs.push_back({a, b});
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  const auto add = [&](std::uint32_t a, std::uint32_t b) {
+    if (a < b && !hasSpring(network, {a, b})) pairs.push_back({a, b});
+  };
+  for (std::uint32_t point = 0; point < neighbours.size(); ++point) {
+    const std::vector<std::uint32_t>& around = neighbours[point];
+    for (const std::uint32_t a : around) {
+      if (around.size() <= maxNeighbours) {
+        for (const std::uint32_t b : around) add(a, b);
+      } else {
+        const std::uint32_t b = oppositeOf(a, network.restPoints, point, around);
+        add(std::min(a, b), std::max(a, b));
+      }
+    }
+  }
+  sortUnique(pairs);
   return pairs;
 }
 
-namespace {
-
-/// Fraction of the size by which a chord may leave the surface: the rounding of coordinates in single
-/// precision.
-constexpr double kTolerance = 1e-6;
-
-std::uint64_t keyOf(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-}
-
-}  // namespace
-
-InsideChords::InsideChords(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles,
-                           const std::vector<Edge>& edges)
-    : points_(points), size_(extent(points)), surface_(points, triangles), neighbours_(points.size()) {
-  for (const Edge& e : edges) join(e[0], e[1]);
-}
-
-bool InsideChords::joined(std::uint32_t a, std::uint32_t b) const {
-  const std::vector<std::uint32_t>& ofA = neighbours_[a];
-  return a == b || std::find(ofA.begin(), ofA.end(), b) != ofA.end();
-}
-
-bool InsideChords::allowed(std::uint32_t a, std::uint32_t b) {
-  if (joined(a, b)) return false;
-  const auto [entry, isNew] = inside_.try_emplace(keyOf(a, b), false);
-  if (isNew)
-    entry->second =
-        surface_.staysInside(points_[std::min(a, b)], points_[std::max(a, b)], kTolerance * size_);
+bool BracedPiece::allows(std::uint32_t a, std::uint32_t b) {
+  // fraction of the size by which a chord may leave the surface: the rounding of single precision
+  constexpr double kTolerance = 1e-6;
+  const std::vector<std::uint32_t>& ofA = neighbours[a];
+  if (a == b || std::find(ofA.begin(), ofA.end(), b) != ofA.end()) return false;
+  if (a > b) std::swap(a, b);
+  const auto [entry, isNew] = isInside.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, false);
+  const std::vector<Eigen::Vector3d>& points = network.restPoints;
+  if (isNew) entry->second = surface.staysInside(points[a], points[b], kTolerance * size);
   return entry->second;
 }
 
-void InsideChords::join(std::uint32_t a, std::uint32_t b) {
-  neighbours_[a].push_back(b);
-  neighbours_[b].push_back(a);
+void BracedPiece::add(const Edge& pair) {
+  const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, weight};
+  std::vector<NetworkSpring>& springs = network.springs;
+  springs.insert(std::upper_bound(springs.begin(), springs.end(), brace, isBefore), brace);
+  neighbours[pair[0]].push_back(pair[1]);
+  neighbours[pair[1]].push_back(pair[0]);
+  braces.push_back(pair);
 }
 
 namespace {
@@ -86,21 +92,12 @@ std::vector<Edge> allPairs(std::uint32_t points) {
   return pairs;
 }
 
-std::uint32_t randomWalk(const InsideChords& chords, std::uint32_t from, Random& random) {
+std::uint32_t randomWalk(const BracedPiece& piece, std::uint32_t from, Random& random) {
   for (std::uint32_t steps = kShortestWalk + random.below(kLongestWalk - kShortestWalk + 1); steps > 0;
        --steps)
-    if (!chords.neighbours(from).empty())
-      from = chords.neighbours(from)[random.below(chords.neighbours(from).size())];
+    if (const std::vector<std::uint32_t>& next = piece.neighbours[from]; !next.empty())
+      from = next[random.below(next.size())];
   return from;
-}
-
-/// Adds a brace. The pair must be allowed and the piece not full.
-void addBrace(BracedPiece& piece, const Edge& pair) {
-  const NetworkSpring brace{pair[0], pair[1], SpringKind::Brace, piece.weight};
-  std::vector<NetworkSpring>& springs = piece.network.springs;
-  springs.insert(std::upper_bound(springs.begin(), springs.end(), brace, isBefore), brace);
-  piece.chords.join(pair[0], pair[1]);
-  piece.braces.push_back(pair);
 }
 
 void boundAll(BraceChoice& choice, const Eigen::VectorXf& weights) {
@@ -121,13 +118,13 @@ Eigen::VectorXf addBest(BracedPiece& piece, BraceChoice& choice, const Eigen::Ve
     choice.bounds.pop_back();
     const Edge& pair = choice.pairs[static_cast<std::size_t>(best.pair)];
     best.sum = choice.benefit.col(best.pair).dot(weights);
-    if (!(best.sum > 0.0f) || !piece.chords.allowed(pair[0], pair[1])) continue;
+    if (!(best.sum > 0.0f) || !piece.allows(pair[0], pair[1])) continue;
     if (!choice.bounds.empty() && best < choice.bounds.front()) {
       choice.bounds.push_back(best);
       std::push_heap(choice.bounds.begin(), choice.bounds.end());
       continue;
     }
-    addBrace(piece, pair);
+    piece.add(pair);
     return choice.benefit.col(best.pair);
   }
   return {};
@@ -140,23 +137,16 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t maxPairs,
   std::vector<Edge> pairs;
   for (std::size_t i = 0; i < maxPairs; ++i) {
     const std::uint32_t a = random.below(n);
-    const std::uint32_t b = i % 2 == 0 ? random.below(n) : randomWalk(piece.chords, a, random);
+    const std::uint32_t b = i % 2 == 0 ? random.below(n) : randomWalk(piece, a, random);
     if (a != b) pairs.push_back(edgeBetween(a, b));
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sortUnique(pairs);
   return pairs;
 }
 
-namespace {
-
-constexpr double kMinRatio = 1e-3;
-/// The ratio of icospheres of n points without braces is 1.2/n. (Their edges alone make them rigid.)
-constexpr double kMinRatioTimesPoints = 0.6;
-
-}  // namespace
-
 double minModeRatio(std::size_t points) {
+  // the ratio of icospheres of n points without braces is 1.2/n: their edges alone make them rigid
+  constexpr double kMinRatio = 1e-3, kMinRatioTimesPoints = 0.6;
   return std::min(kMinRatio, kMinRatioTimesPoints / static_cast<double>(points));
 }
 
@@ -188,16 +178,16 @@ void addAntipodalBraces(BracedPiece& piece) {
   const Positions& points = piece.network.restPoints;
   const std::vector<Triangle>& triangles = piece.network.surface;
   const Positions normals = vertexNormals(points, triangles);
-  const double size = piece.chords.size();
+  const double size = piece.size;
   std::vector<bool> hasChord(points.size(), false);
   for (std::uint32_t i = 0; i < points.size() && !piece.full(); ++i) {
     if (hasChord[i]) continue;
-    const TriangleHit hit = piece.chords.surface().firstHit(points[i], -normals[i], kMinRayDistance * size,
-                                                            kMaxRayDistance * size);
+    const TriangleHit hit =
+        piece.surface.firstHit(points[i], -normals[i], kMinRayDistance * size, kMaxRayDistance * size);
     if (!hit) continue;
     for (const std::uint32_t j : byDistance(points, triangles[hit.triangle], hit.position)) {
-      if (!piece.chords.allowed(i, j)) continue;
-      addBrace(piece, edgeBetween(i, j));
+      if (!piece.allows(i, j)) continue;
+      piece.add(edgeBetween(i, j));
       hasChord[i] = hasChord[j] = true;
       break;
     }
@@ -234,12 +224,13 @@ BraceChoice stretches(const BracedPiece& piece, const Modes& modes, std::uint64_
 /// by the inverse square of the eigenvalue. The other modes are large motions of the body, such as the
 /// opening of the arms of an L; braces should not restrict them.
 bool braceModes(BracedPiece& piece, const Modes& modes, double minEigenvalue, double goal, std::size_t cap,
-                std::uint64_t seed) {
+                std::uint64_t seed, const std::function<bool()>& goOn) {
+  if (!goOn()) return false;
   BraceChoice choice = stretches(piece, modes, seed);
   Eigen::VectorXf eigenvalues = modes.eigenvalues.cast<float>().cwiseMax(static_cast<float>(1e-3 * goal));
   const Eigen::VectorXf tooSoft = (modes.eigenvalues.array() < minEigenvalue).cast<float>();
   bool added = false;
-  while (piece.braces.size() < cap) {
+  while (piece.braces.size() < cap && goOn()) {
     const Eigen::VectorXf weights =
         (eigenvalues.array() < static_cast<float>(goal))
             .select(tooSoft.array() * eigenvalues.array().square().inverse(), 0.0f)
@@ -266,14 +257,16 @@ Modes modesToBrace(const SpringNetwork& network) {
 void addSoftModeBraces(BracedPiece& piece, std::size_t maxBraces, std::uint64_t seed, const GoOn& goOn) {
   const std::size_t cap = std::min(maxBraces, piece.maxBraces);
   for (int round = 0; round < kMaxBraceRounds && piece.braces.size() < cap; ++round) {
-    if (!goOn(static_cast<double>(round) / kMaxBraceRounds)) return;
+    const auto keepGoing = [&] { return goOn(static_cast<double>(round) / kMaxBraceRounds); };
+    if (!keepGoing()) return;
     const Modes modes = modesToBrace(piece.network);
     if (modes.eigenvalues.size() == 0) return;
     const double stiffest = stiffestEigenvalue(stiffnessMatrix(rigidityMatrix(piece.network)));
     const double minEigenvalue = minModeRatio(piece.network.restPoints.size()) * stiffest;
     if (modes.eigenvalues[0] >= minEigenvalue) return;
     const double goal = (isLarge(piece.network) ? kRoughGoalFactor : kGoalFactor) * minEigenvalue;
-    if (!braceModes(piece, modes, minEigenvalue, goal, cap, seed + static_cast<std::uint64_t>(round))) return;
+    const std::uint64_t roundSeed = seed + static_cast<std::uint64_t>(round);
+    if (!braceModes(piece, modes, minEigenvalue, goal, cap, roundSeed, keepGoing)) return;
   }
 }
 
@@ -304,9 +297,8 @@ struct Example {
 using Examples = std::vector<Example>;
 
 struct Trials {
-  std::uint64_t seed;
+  const NetworkSettings& settings;
   std::size_t runsLeft;
-  ParallelFor parallel;
   std::array<std::uint32_t, kDeformations> failures{};
 };
 
@@ -371,7 +363,7 @@ WrongShapes findWrongShapes(RelaxedBody& body, const std::vector<Deformation>& k
         ends[i] = {kinds[i], x};
         return (i / roundSize + 1) * roundSize;
       },
-      trials.parallel);
+      trials.settings.parallel);
   WrongShapes wrong = firstOf(ends, roundSize);
   const std::size_t rounds = wrong.cleanRounds + (wrong.shapes.empty() ? 0 : 1);
   trials.runsLeft -= std::min(trials.runsLeft, rounds * roundSize);
@@ -384,12 +376,12 @@ WrongShapes releaseInRounds(RelaxedBody& body, std::size_t first, std::size_t ro
   rounds = std::min(rounds, (trials.runsLeft + kRuns - 1) / kRuns);
   std::vector<Deformation> kinds;
   for (std::size_t round = first; round < first + rounds; ++round) {
-    Random random(trials.seed ^ (static_cast<std::uint64_t>(round) << 32));
+    Random random(trials.settings.seed ^ (static_cast<std::uint64_t>(round) << 32));
     const std::vector<Deformation> more = kindsOfRound(trials, random);
     kinds.insert(kinds.end(), more.begin(), more.end());
   }
   const auto start = [&](std::size_t i) {
-    return deform(body.rest, kinds[i], trials.seed, kRuns * first + i);
+    return deform(body.rest, kinds[i], trials.settings.seed, kRuns * first + i);
   };
   return findWrongShapes(body, kinds, kRuns, start, trials, goOn);
 }
@@ -407,8 +399,7 @@ BraceChoice errorsOf(BracedPiece& piece, const RelaxedBody& body, const Examples
       const double error = (examples[f].x.col(a) - examples[f].x.col(b)).norm() - rest;
       errors[static_cast<Eigen::Index>(f)] = static_cast<float>(error * error);
     }
-    if ((errors.array() > largest.array()).any() && piece.chords.allowed(a, b))
-      largest = largest.cwiseMax(errors);
+    if ((errors.array() > largest.array()).any() && piece.allows(a, b)) largest = largest.cwiseMax(errors);
   }
   choice.benefit = largest.cwiseInverse().asDiagonal() * choice.benefit;
   return choice;
@@ -447,9 +438,8 @@ void braceExamples(BracedPiece& piece, Examples wrong, std::uint64_t seed, Trial
 /// shapes in which it comes to rest. Ends when it has returned from all deformations in several rounds in a
 /// row, or when the piece is full. A spring that has its rest length in a wrong shape does not resist that
 /// shape. The best brace is the pair whose distance has the largest error there.
-void addCounterexampleBraces(BracedPiece& piece, const BracingSettings& settings, const GoOn& goOn) {
-  const std::uint64_t seed = settings.seed;
-  Trials trials{seed, maxRuns(piece.network.restPoints.size()), settings.parallel};
+void addCounterexampleBraces(BracedPiece& piece, const NetworkSettings& settings, const GoOn& goOn) {
+  Trials trials{settings, maxRuns(piece.network.restPoints.size())};
   std::size_t clean = 0;
   double done = 0.0;  // never decreases, even after a round that is not clean
   for (std::size_t round = 0;
@@ -468,8 +458,8 @@ void addCounterexampleBraces(BracedPiece& piece, const BracingSettings& settings
     round += wrong.cleanRounds, clean += wrong.cleanRounds;
     if (wrong.shapes.empty()) continue;
     for (const Example& e : wrong.shapes) ++trials.failures[static_cast<std::size_t>(e.kind)];
-    braceExamples(piece, std::move(wrong.shapes), seed + (static_cast<std::uint64_t>(round) << 16), trials,
-                  keepGoing);
+    const std::uint64_t seed = settings.seed + (static_cast<std::uint64_t>(round) << 16);
+    braceExamples(piece, std::move(wrong.shapes), seed, trials, keepGoing);
     ++round, clean = 0;
   }
 }
@@ -491,41 +481,36 @@ double thickness(const std::vector<Eigen::Vector3d>& points) {
   return scatter.sum() > 0.0 ? std::sqrt(std::max(0.0, scatter[0]) / scatter.sum()) : 0.0;
 }
 
-/// Returns a network of the edges, with the surface facing outwards also for a piece that bounds a hollow.
-SpringNetwork bareNetwork(const PieceToBrace& piece) {
-  SpringNetwork network;
-  network.restPoints = piece.points;
-  network.surface = piece.triangles;
-  if (signedVolume(piece.points, piece.triangles) < 0.0)
-    for (Triangle& t : network.surface) std::swap(t[1], t[2]);
-  for (const Edge& e : piece.edges) network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
-  return network;
-}
-
-GoOn stageProgress(const char* stage, const Progress& goOn) {
-  return [&goOn, stage](double done) { return goOn(stage, done); };
-}
+/// With a lower weight, a body is a skin that is stiff against bending around a soft inside. The arms of an L
+/// resist opening 1.6 times as much as those of a solid of the same bulk modulus at 0.3, and 1.4 times at
+/// 0.5.
+constexpr double kPipelineWeight = 0.5;
 
 }  // namespace
 
-std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& settings,
+double braceWeight(const NetworkSettings& settings) {
+  return settings.braceWeight.value_or(settings.braces == BraceRule::Pipeline ? kPipelineWeight : 1.0);
+}
+
+std::vector<Edge> bracePiece(const SpringNetwork& piece, const NetworkSettings& settings,
                              const Progress& goOn) {
-  const std::size_t points = piece.points.size();
-  if (thickness(piece.points) < kFlatPiece) return findTwoRingPairs(points, piece.edges);
+  const std::size_t points = piece.restPoints.size();
+  if (thickness(piece.restPoints) < kFlatPiece) return findTwoRingPairs(piece);
   if (!goOn("bracing: chords", 0.0)) return {};
-  SpringNetwork network = bareNetwork(piece);
-  InsideChords chords(network.restPoints, network.surface, piece.edges);
   const double pairs = 0.5 * static_cast<double>(points) * static_cast<double>(points - 1);
   const double maxBraces =
       std::min(settings.maxBracesPerPoint * static_cast<double>(points) + kRounding, pairs);
-  BracedPiece braced{
-      std::move(network), std::move(chords), settings.weight, static_cast<std::size_t>(maxBraces), {}};
+  SpringNetwork outward = piece;  // also of a piece that bounds a hollow
+  if (signedVolume(piece.restPoints, piece.surface) < 0.0)
+    flip(outward.surface, std::vector<bool>(piece.surface.size(), true));
+  BracedPiece braced{std::move(outward), braceWeight(settings), static_cast<std::size_t>(maxBraces)};
   addAntipodalBraces(braced);
   const bool fewChords = static_cast<double>(braced.braces.size()) < kMinChords * static_cast<double>(points);
-  if (fewChords && !piece.closed) return findTwoRingPairs(points, piece.edges);
+  if (fewChords && !findEdgeDefects(piece.surface).none()) return findTwoRingPairs(piece);
   const auto modeBraces = static_cast<std::size_t>(kShareForModes * maxBraces);
-  addSoftModeBraces(braced, modeBraces, settings.seed, stageProgress("bracing: soft modes", goOn));
-  addCounterexampleBraces(braced, settings, stageProgress("bracing: wrong shapes", goOn));
+  addSoftModeBraces(braced, modeBraces, settings.seed,
+                    [&](double done) { return goOn("bracing: soft modes", done); });
+  addCounterexampleBraces(braced, settings, [&](double done) { return goOn("bracing: wrong shapes", done); });
   std::sort(braced.braces.begin(), braced.braces.end());
   return braced.braces;
 }

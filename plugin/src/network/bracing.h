@@ -22,43 +22,37 @@ inline bool isBefore(const NetworkSpring& s, const NetworkSpring& t) {
   return s.a != t.a ? s.a < t.a : s.b < t.b;
 }
 
-/// Returns all pairs of the `points` points that share a neighbour but no edge, sorted. `edges` must be
-/// sorted and unique.
-std::vector<Edge> findTwoRingPairs(std::size_t points, const std::vector<Edge>& edges);
+inline bool hasSpring(const SpringNetwork& network, const Edge& pair) {
+  return std::binary_search(network.springs.begin(), network.springs.end(), NetworkSpring{pair[0], pair[1]},
+                            isBefore);
+}
 
-/// Finds the pairs of points of a surface that a brace may still join: pairs without a spring whose chord
-/// stays inside. Tests the chord of each pair at most once.
-class InsideChords {
- public:
-  /// The triangles face outwards. `edges` are the existing springs.
-  InsideChords(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles,
-               const std::vector<Edge>& edges);
+/// Returns for each point those to which springs join it.
+std::vector<std::vector<std::uint32_t>> neighboursOf(const SpringNetwork& network);
 
-  const TriangleBvh& surface() const { return surface_; }
-  double size() const { return size_; }  ///< m, the largest extent
-  const std::vector<std::uint32_t>& neighbours(std::uint32_t point) const { return neighbours_[point]; }
-
-  bool joined(std::uint32_t a, std::uint32_t b) const;
-  bool allowed(std::uint32_t a, std::uint32_t b);
-  void join(std::uint32_t a, std::uint32_t b);
-
- private:
-  std::vector<Eigen::Vector3d> points_;
-  double size_;
-  TriangleBvh surface_;
-  std::vector<std::vector<std::uint32_t>> neighbours_;  ///< #points, along springs
-  std::unordered_map<std::uint64_t, bool> inside_;      ///< of the pairs tested so far
-};
+/// Returns all pairs of points that share a neighbour but no spring, sorted. Around points with more than
+/// `maxNeighbours`, whose pairs would be too many, each neighbour is only paired with the one opposite.
+std::vector<Edge> findTwoRingPairs(const SpringNetwork& network, std::size_t maxNeighbours = kNoPoint);
 
 /// A piece of a body that is being braced.
 struct BracedPiece {
   SpringNetwork network;  ///< points, springs and a surface that faces outwards; no masses, no render surface
-  InsideChords chords;
-  double weight = 1.0;        ///< stiffnessScale of a brace
-  std::size_t maxBraces = 0;  ///< limit for the whole piece
-  std::vector<Edge> braces;   ///< in the order they were added
+  double weight = 1.0;    ///< stiffnessScale of a brace
+  std::size_t maxBraces = 0;   ///< limit for the whole piece
+  std::vector<Edge> braces{};  ///< in the order they were added
+  TriangleBvh surface{network.restPoints, network.surface};
+  double size = extent(network.restPoints);                                    ///< m
+  std::vector<std::vector<std::uint32_t>> neighbours = neighboursOf(network);  ///< #points
+  std::unordered_map<std::uint64_t, bool> isInside{};  ///< whether the chords tested so far stay inside
 
   bool full() const { return braces.size() >= maxBraces; }
+
+  /// Returns whether a brace may join the points: they have no spring, and their chord stays inside. Tests
+  /// the chord of each pair at most once.
+  bool allows(std::uint32_t a, std::uint32_t b);
+
+  /// Adds a brace. The pair must be allowed and the piece not full.
+  void add(const Edge& pair);
 };
 
 /// Candidate pairs for braces and their benefits.
@@ -98,27 +92,11 @@ std::vector<Edge> candidatePairs(const BracedPiece& piece, std::size_t maxPairs,
 /// bracing: 1e-3. For many points it is lower, as is the ratio of a solid ball.
 double minModeRatio(std::size_t points);
 
-/// One connected piece of a surface, the input of bracePiece().
-struct PieceToBrace {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Triangle> triangles;
-  std::vector<Edge> edges;  ///< of the triangles; sorted, unique
-  bool closed = false;      ///< every edge has two triangles that run through it in opposite directions
-};
+/// Returns the stiffnessScale of a brace.
+double braceWeight(const NetworkSettings& settings);
 
-/// With a lower weight, a body is a skin that is stiff against bending around a soft inside. The arms of an L
-/// resist opening 1.6 times as much as those of a solid of the same bulk modulus at 0.3, and 1.4 times at
-/// 0.5.
-constexpr double kPipelineWeight = 0.5;
-
-struct BracingSettings {
-  double weight = kPipelineWeight;  ///< stiffnessScale of a brace
-  double maxBracesPerPoint = 1.5;
-  std::uint64_t seed = 1;
-  ParallelFor parallel;  ///< may be empty
-};
-
-/// Returns the braces of BraceRule::Pipeline, sorted:
+/// Returns the braces of BraceRule::Pipeline for a connected piece, a network of the edges of its surface,
+/// sorted:
 ///
 ///   1. chords through the body, from each point to the opposite side,
 ///   2. braces for mechanisms and near mechanisms,
@@ -127,7 +105,7 @@ struct BracingSettings {
 /// All braces are inside the body. A piece without an inside (flat, or so open that few chords are inside)
 /// gets the braces of BraceRule::TwoRing instead, without the limit. Once `goOn` has returned false, it must
 /// return false in all later calls; the braces found so far are returned.
-std::vector<Edge> bracePiece(const PieceToBrace& piece, const BracingSettings& settings,
+std::vector<Edge> bracePiece(const SpringNetwork& piece, const NetworkSettings& settings,
                              const Progress& goOn);
 
 }  // namespace limber

@@ -8,8 +8,6 @@
 #include "network/masses.h"
 #include "network/skin.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,8 +20,8 @@
 namespace limber {
 namespace {
 
-/// A larger rope takes gigabytes and is probably a mistake.
-constexpr std::uint32_t kMaxRopePoints = 10'000'000;
+/// A larger rope or cloth takes gigabytes and is probably a mistake.
+constexpr double kMaxNetworkPoints = 1e7;
 
 constexpr double kLargestSize = 1e9;  // m, as of the coordinates of any network
 
@@ -36,14 +34,25 @@ std::string checkZeroOrMore(const char* name, double value) {
   return std::isfinite(value) && value >= 0.0 ? std::string() : mustBe(name, value, "0 or more");
 }
 
-std::string check(const RopeSettings& settings) {
-  std::string reason = checkSize("length", settings.length);
-  if (reason.empty() && settings.segments == 0) reason = mustBe("segments", 0.0, "1 or more");
-  if (reason.empty() && settings.segments > kMaxRopePoints)
-    reason = mustBe("segments", settings.segments, "at most ten million");
-  if (reason.empty()) reason = checkZeroOrMore("bendingScale", settings.bendingScale);
-  if (reason.empty()) reason = checkZeroOrMore("thickness", settings.thickness);
-  return reason;
+std::string checkOneOrMore(const char* name, std::uint32_t count) {
+  return count > 0 ? std::string() : mustBe(name, 0.0, "1 or more");
+}
+
+std::string checkPoints(const char* name, double count) {
+  return count <= kMaxNetworkPoints ? std::string() : mustBe(name, count, "at most ten million");
+}
+
+/// Returns the first reason that is not empty.
+std::string firstOf(const std::vector<std::string>& reasons) {
+  const auto first =
+      std::find_if(reasons.begin(), reasons.end(), [](const std::string& r) { return !r.empty(); });
+  return first != reasons.end() ? *first : std::string();
+}
+
+std::string check(const RopeSettings& s) {
+  return firstOf({checkSize("length", s.length), checkOneOrMore("segments", s.segments),
+                  checkPoints("segments", s.segments), checkZeroOrMore("bendingScale", s.bendingScale),
+                  checkZeroOrMore("thickness", s.thickness)});
 }
 
 std::vector<Eigen::Vector3d> ropePoints(double length, std::uint32_t segments) {
@@ -91,19 +100,14 @@ struct Grid {
   std::uint32_t at(std::uint32_t i, std::uint32_t j) const { return j * (columns + 1) + i; }
 };
 
-std::string check(const ClothSettings& settings) {
-  std::string reason = checkSize("width", settings.width);
-  if (reason.empty()) reason = checkSize("depth", settings.depth);
-  if (reason.empty() && settings.columns == 0) reason = mustBe("columns", 0.0, "1 or more");
-  if (reason.empty() && settings.rows == 0) reason = mustBe("rows", 0.0, "1 or more");
-  const double points = (settings.columns + 1.0) * (settings.rows + 1.0);
-  if (reason.empty() && points > 1e7)
-    reason = mustBe("the number of points, (columns + 1) (rows + 1),", points, "at most ten million");
-  if (reason.empty()) reason = checkZeroOrMore("shearScale", settings.shearScale);
-  if (reason.empty()) reason = checkZeroOrMore("bendingScale", settings.bendingScale);
-  if (reason.empty()) reason = checkZeroOrMore("thickness", settings.thickness);
-  if (reason.empty() && settings.masses > MassRule::Moments) reason = "masses is no value of MassRule";
-  return reason;
+std::string check(const ClothSettings& s) {
+  return firstOf(
+      {checkSize("width", s.width), checkSize("depth", s.depth), checkOneOrMore("columns", s.columns),
+       checkOneOrMore("rows", s.rows),
+       checkPoints("the number of points, (columns + 1) (rows + 1),", (s.columns + 1.0) * (s.rows + 1.0)),
+       checkZeroOrMore("shearScale", s.shearScale), checkZeroOrMore("bendingScale", s.bendingScale),
+       checkZeroOrMore("thickness", s.thickness),
+       s.masses > MassRule::Moments ? "masses is no value of MassRule" : ""});
 }
 
 /// Adds the springs from point (i, j) to points after it, in ascending order of their index:
@@ -200,44 +204,33 @@ namespace {
 /// files and far below the differences that a modeller makes on purpose.
 constexpr double kEqualLength = 1e-5;
 
-struct Interval {
-  double low;
-  double high;
-};
-
-/// Returns the squared distances that equal the length of some edge, as disjoint ascending intervals.
-std::vector<Interval> squaredLengths(const std::vector<Eigen::Vector3d>& points,
-                                     const std::vector<Edge>& edges) {
+/// Returns the lengths of the springs, ascending.
+std::vector<double> lengthsOf(const SpringNetwork& network) {
   std::vector<double> lengths;
-  lengths.reserve(edges.size());
-  for (const Edge& edge : edges) lengths.push_back((points[edge[0]] - points[edge[1]]).norm());
+  for (const NetworkSpring& s : network.springs)
+    lengths.push_back((network.restPoints[s.a] - network.restPoints[s.b]).norm());
   std::sort(lengths.begin(), lengths.end());
-
-  std::vector<Interval> intervals;
-  for (const double length : lengths) {
-    const double low = length * (1.0 - kEqualLength), high = length * (1.0 + kEqualLength);
-    if (!intervals.empty() && low * low <= intervals.back().high) {
-      intervals.back().high = high * high;
-    } else {
-      intervals.push_back({low * low, high * high});
-    }
-  }
-  return intervals;
+  return lengths;
 }
 
-bool contains(const std::vector<Interval>& intervals, double value) {
-  const auto next = std::lower_bound(intervals.begin(), intervals.end(), value,
-                                     [](const Interval& interval, double v) { return interval.high < v; });
-  return next != intervals.end() && next->low <= value;
+double squaredLimit(double length, double difference) {
+  const double limit = length * (1.0 + difference);
+  return limit * limit;
+}
+
+/// Returns whether a distance equals one of the ascending lengths.
+bool contains(const std::vector<double>& lengths, double squaredDistance) {
+  const auto next =
+      std::lower_bound(lengths.begin(), lengths.end(), squaredDistance,
+                       [](double length, double s) { return squaredLimit(length, kEqualLength) < s; });
+  return next != lengths.end() && squaredLimit(*next, -kEqualLength) <= squaredDistance;
 }
 
 /// Returns the points sorted along the longest axis of the body, where a window of the length of the longest
 /// edge contains the fewest points.
 std::vector<std::uint32_t> sortAlongLongestAxis(const std::vector<Eigen::Vector3d>& points,
                                                 Eigen::Index& axis) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : points) box.extend(p);
-  box.sizes().maxCoeff(&axis);
+  boxOf(points).sizes().maxCoeff(&axis);
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
@@ -246,14 +239,13 @@ std::vector<std::uint32_t> sortAlongLongestAxis(const std::vector<Eigen::Vector3
   return order;
 }
 
-/// Returns all pairs of points without an edge whose distance equals the length of some edge, sorted. `edges`
-/// must be sorted and unique.
-std::vector<Edge> findEqualLengthPairs(const std::vector<Eigen::Vector3d>& points,
-                                       const std::vector<Edge>& edges) {
+/// Returns all pairs of points without a spring whose distance equals the length of some spring, sorted.
+std::vector<Edge> findEqualLengthPairs(const SpringNetwork& network) {
   std::vector<Edge> pairs;
-  if (edges.empty()) return pairs;
-  const std::vector<Interval> lengths = squaredLengths(points, edges);
-  const double maxLength = std::sqrt(lengths.back().high);
+  if (network.springs.empty()) return pairs;
+  const std::vector<Eigen::Vector3d>& points = network.restPoints;
+  const std::vector<double> lengths = lengthsOf(network);
+  const double maxLength = std::sqrt(squaredLimit(lengths.back(), kEqualLength));
   Eigen::Index axis = 0;
   const std::vector<std::uint32_t> order = sortAlongLongestAxis(points, axis);
 
@@ -262,14 +254,12 @@ std::vector<Edge> findEqualLengthPairs(const std::vector<Eigen::Vector3d>& point
     for (std::size_t j = i + 1; j < order.size() && points[order[j]][axis] - p[axis] <= maxLength; ++j) {
       if (!contains(lengths, (points[order[j]] - p).squaredNorm())) continue;
       const Edge pair = edgeBetween(order[i], order[j]);
-      if (!std::binary_search(edges.begin(), edges.end(), pair)) pairs.push_back(pair);
+      if (!hasSpring(network, pair)) pairs.push_back(pair);
     }
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
-
-constexpr std::uint32_t kInNoPiece = 0xffffffffu;
 
 std::string checkSettings(const NetworkSettings& s) {
   const auto finite = [](double value) { return std::isfinite(value); };
@@ -284,36 +274,25 @@ std::string checkSettings(const NetworkSettings& s) {
   return {};
 }
 
-double weightOf(const NetworkSettings& settings) {
-  if (settings.braceWeight) return *settings.braceWeight;
-  return settings.braces == BraceRule::Pipeline ? kPipelineWeight : 1.0;
-}
-
-/// A component, and for each of its points the index in the mesh, ascending.
-struct Piece {
-  PieceToBrace shape;
-  std::vector<std::uint32_t> points;
+/// A connected piece of a mesh.
+struct MeshPiece {
+  SpringNetwork network;              ///< its points, edges and surface
+  std::vector<std::uint32_t> ofMesh;  ///< #points, their indices in the mesh, ascending
 };
 
-std::vector<Piece> splitIntoPieces(const WeldedMesh& welded) {
-  const SurfaceComponents components = findComponents(welded.points.size(), welded.triangles);
-  std::vector<std::uint32_t> pieceOf(welded.points.size(), kInNoPiece), index(welded.points.size());
-  for (std::size_t t = 0; t < welded.triangles.size(); ++t)
-    for (const std::uint32_t corner : welded.triangles[t]) pieceOf[corner] = components.ofTriangle[t];
-  std::vector<Piece> pieces(components.count);
-  for (std::uint32_t i = 0; i < welded.points.size(); ++i) {
-    if (pieceOf[i] == kInNoPiece) continue;
-    Piece& piece = pieces[pieceOf[i]];
-    index[i] = static_cast<std::uint32_t>(piece.points.size());
-    piece.points.push_back(i);
-    piece.shape.points.push_back(welded.points[i]);
-  }
-  for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
-    const Triangle& corners = welded.triangles[t];
-    pieces[components.ofTriangle[t]].shape.triangles.push_back(
-        {index[corners[0]], index[corners[1]], index[corners[2]]});
-  }
-  return pieces;
+MeshPiece makePiece(const WeldedMesh& welded, std::vector<Triangle> triangles) {
+  MeshPiece piece;
+  for (const Triangle& t : triangles) piece.ofMesh.insert(piece.ofMesh.end(), t.begin(), t.end());
+  sortUnique(piece.ofMesh);
+  for (Triangle& t : triangles)
+    for (std::uint32_t& corner : t)
+      corner = static_cast<std::uint32_t>(std::lower_bound(piece.ofMesh.begin(), piece.ofMesh.end(), corner) -
+                                          piece.ofMesh.begin());
+  piece.network.restPoints = chosen(welded.points, piece.ofMesh);
+  for (const Edge& e : uniqueEdges(triangles))
+    piece.network.springs.push_back({e[0], e[1], SpringKind::Structural, 1.0});
+  piece.network.surface = std::move(triangles);
+  return piece;
 }
 
 /// Returns a progress function with the time limit. Once it has returned false, it always returns false.
@@ -327,38 +306,33 @@ Progress progressWithTimeLimit(const NetworkSettings& settings) {
   };
 }
 
-std::vector<Edge> findBraces(const PieceToBrace& shape, const NetworkSettings& settings,
+std::vector<Edge> findBraces(const SpringNetwork& piece, const NetworkSettings& settings,
                              const Progress& goOn) {
   switch (settings.braces) {
     case BraceRule::None:
       return {};
     case BraceRule::EqualLength:
-      return findEqualLengthPairs(shape.points, shape.edges);
+      return findEqualLengthPairs(piece);
     case BraceRule::TwoRing:
-      return findTwoRingPairs(shape.points.size(), shape.edges);
+      return findTwoRingPairs(piece);
     case BraceRule::Pipeline:
-      return bracePiece(
-          shape, {weightOf(settings), settings.maxBracesPerPoint, settings.seed, settings.parallel}, goOn);
+      return bracePiece(piece, settings, goOn);
   }
   return {};
-}
-
-void addSprings(const Piece& piece, const std::vector<Edge>& pairs, SpringKind kind, double stiffnessScale,
-                std::vector<NetworkSpring>& springs) {
-  for (const Edge& pair : pairs)
-    springs.push_back({piece.points[pair[0]], piece.points[pair[1]], kind, stiffnessScale});
 }
 
 /// Returns the edges and, within each component, the braces.
 std::vector<NetworkSpring> connect(const WeldedMesh& welded, const NetworkSettings& settings) {
   std::vector<NetworkSpring> springs;
   const Progress goOn = progressWithTimeLimit(settings);
-  for (Piece& piece : splitIntoPieces(welded)) {
-    piece.shape.edges = uniqueEdges(piece.shape.triangles);
-    piece.shape.closed = findEdgeDefects(piece.shape.triangles).none();
-    addSprings(piece, piece.shape.edges, SpringKind::Structural, 1.0, springs);
-    addSprings(piece, findBraces(piece.shape, settings, goOn), SpringKind::Brace, weightOf(settings),
-               springs);
+  for (std::vector<Triangle>& triangles : trianglesOfPieces(welded.points.size(), welded.triangles)) {
+    const MeshPiece piece = makePiece(welded, std::move(triangles));
+    const auto add = [&](std::uint32_t a, std::uint32_t b, SpringKind kind, double stiffnessScale) {
+      springs.push_back({piece.ofMesh[a], piece.ofMesh[b], kind, stiffnessScale});
+    };
+    for (const NetworkSpring& s : piece.network.springs) add(s.a, s.b, s.kind, s.stiffnessScale);
+    for (const Edge& pair : findBraces(piece.network, settings, goOn))
+      add(pair[0], pair[1], SpringKind::Brace, braceWeight(settings));
   }
   std::sort(springs.begin(), springs.end(), isBefore);
   return springs;

@@ -10,11 +10,9 @@
 #include "network/parts.h"
 #include "network/tetrahedra.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -104,11 +102,10 @@ double thinPartThickness(const WeldedMesh& surface) {
   std::vector<std::pair<double, double>> samples;  // thickness and area
   double area = 0.0;
   for (std::size_t i = 0; i < surface.triangles.size(); i += stride) {
-    const Triangle& t = surface.triangles[i];
-    const Vector3d &a = surface.points[t[0]], &b = surface.points[t[1]], &c = surface.points[t[2]];
-    const Vector3d vector = areaVector(a, b, c);
+    const TriangleCorners t = cornersOf(surface.points, surface.triangles[i]);
+    const Vector3d vector = areaVector(t);
     if (vector.norm() == 0.0) continue;
-    const TriangleHit hit = bvh.firstHit((a + b + c) / 3.0, -vector.normalized(), 1e-4 * size, 2.0 * size);
+    const TriangleHit hit = bvh.firstHit(centroid(t), -vector.normalized(), 1e-4 * size, 2.0 * size);
     samples.push_back({hit ? hit.distance : size, vector.norm()});
     area += vector.norm();
   }
@@ -120,7 +117,7 @@ double thinPartThickness(const WeldedMesh& surface) {
 }
 
 Solid makeSolid(WeldedMesh surface) {
-  flip(surface.triangles, facingInward(surface.points, surface.triangles));
+  surface.triangles = facingOutward(surface.points, std::move(surface.triangles));
   Solid solid{std::move(surface), 0.0, 0.0};
   solid.thickness = thinPartThickness(solid.surface);
   solid.volume = signedVolume(solid.surface.points, solid.surface.triangles);
@@ -213,10 +210,7 @@ struct SpacingSearch {
 /// Returns about the spacing at which the solid has so many points when its thin parts are as thick as the
 /// lattice needs them. A sheet of area A / 2 then has the volume A s kLatticeThickness / 2.
 double thickSpacing(const Solid& solid, double points) {
-  double area = 0.0;
-  for (const Triangle& t : solid.surface.triangles)
-    area +=
-        areaVector(solid.surface.points[t[0]], solid.surface.points[t[1]], solid.surface.points[t[2]]).norm();
+  const double area = areaOf(solid.surface.points, solid.surface.triangles);
   return std::max(spacingFor(solid, points), std::sqrt(1.2 * kLatticeThickness * area / points));
 }
 
@@ -407,24 +401,17 @@ Result<SpringNetwork> fillWithSprings(Builder& builder, const Part& part) {
   return network;
 }
 
-TriangleMesh meshOf(const WeldedMesh& welded) {
-  TriangleMesh mesh;
-  mesh.positions = welded.points;
-  mesh.triangles = welded.triangles;
-  return mesh;
-}
-
 /// Returns a coarse closed surface: the simplified mesh, or that of its filling if it is not one closed
 /// surface.
 Result<TriangleMesh> coarseSurface(Builder& builder, const Part& part) {
   if (!isOneSolid(part.welded.report)) {
     const Result<CookedFilling> filling = fill(builder, part);
     if (!filling) return Error{filling.error()};
-    return meshOf({filling->mesh.points, {}, filling->mesh.surface, {}, {}});
+    return meshOf(filling->mesh.points, filling->mesh.surface);
   }
   const Solid solid = makeSolid(part.welded);
   const double points = pointsOf(builder, part, solid);
-  TriangleMesh mesh = meshOf(solid.surface);
+  TriangleMesh mesh = meshOf(solid.surface.points, solid.surface.triangles);
   if (static_cast<double>(mesh.positions.size()) <= points) return mesh;
   return simplify(mesh, static_cast<std::uint32_t>(points));
 }
@@ -434,7 +421,9 @@ Result<SpringNetwork> brace(Builder& builder, const Part& part) {
   const Result<TriangleMesh> coarse = coarseSurface(builder, part);
   if (!coarse) return Error{coarse.error()};
   NetworkSettings settings = builder.settings.network;
-  settings.progress = [&builder](const char* what, double done) { return builder.report(what, done); };
+  settings.progress = [&builder, own = settings.progress](const char* what, double done) {
+    return builder.report(what, done) && (!own || own(what, done));
+  };
   const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
   if (!network) return Error{network.error()};
   return **network;
@@ -523,24 +512,20 @@ std::string describeBodies(const Choices& c, std::size_t pieces, const CookSetti
 
 std::string describeDrawing(const std::vector<SharedNetwork>& bodies, const std::vector<Part>& parts,
                             const CookSettings& settings) {
-  std::size_t dense = 0, sparse = 0, barycentric = 0, own = 0;
+  static constexpr const char* kHow[] = {// the skins in the order of SkinKind
+                                         " vertices by dense skins (up to 5000 a body)",
+                                         " vertices by sparse skins", " vertices by barycentric skins",
+                                         " points by themselves"};
+  std::array<std::size_t, 4> counts{};
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const std::size_t vertices = parts[i].welded.points.size();
     if (bodies[i]->render.skin.size() == 0)
-      own += bodies[i]->restPoints.size();
-    else if (skinFor(parts[i].welded, settings) == SkinKind::Dense)
-      dense += vertices;
+      counts[3] += bodies[i]->restPoints.size();
     else
-      (skinFor(parts[i].welded, settings) == SkinKind::Sparse ? sparse : barycentric) += vertices;
+      counts[std::size_t(skinFor(parts[i].welded, settings))] += parts[i].welded.points.size();
   }
   std::string text = "drawing:";
-  const auto add = [&](std::size_t count, const char* what) {
-    if (count > 0) text += (text.back() == ':' ? " " : ", ") + std::to_string(count) + what;
-  };
-  add(dense, " vertices by dense skins (up to 5000 a body)");
-  add(sparse, " vertices by sparse skins");
-  add(barycentric, " vertices by barycentric skins");
-  add(own, " points by themselves");
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    if (counts[i] > 0) text += (text.back() == ':' ? " " : ", ") + std::to_string(counts[i]) + kHow[i];
   return text;
 }
 

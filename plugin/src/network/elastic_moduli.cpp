@@ -26,31 +26,35 @@ using Eigen::Vector3d;
 /// largest entry and more.
 constexpr double kShift = 1e-10;
 
-MatrixXd scaledPoints(const ElasticBody& body) {
-  MatrixXd points(3, static_cast<Index>(body.network.restPoints.size()));
-  for (Index i = 0; i < points.cols(); ++i)
-    points.col(i) = body.network.restPoints[static_cast<std::size_t>(i)].cwiseProduct(body.scale);
+using Positions = std::vector<Vector3d>;
+
+Positions scaledPoints(const ElasticBody& body) {
+  Positions points = body.network.restPoints;
+  for (Vector3d& p : points) p = p.cwiseProduct(body.scale);
   return points;
 }
 
+/// Returns the points as columns.
+Eigen::Map<const MatrixXd> asMatrix(const Positions& points) {
+  return {points.front().data(), 3, static_cast<Index>(points.size())};
+}
+
 /// Adds springs without tension: k n n^T along their directions n.
-void addSprings(const ElasticBody& body, const MatrixXd& points, Triplets& triplets) {
+void addSprings(const ElasticBody& body, const Positions& points, Triplets& triplets) {
   for (const NetworkSpring& s : body.network.springs) {
-    const Index a = s.a, b = s.b;
-    const Vector3d n = (points.col(b) - points.col(a)).normalized();
+    const Vector3d n = (points[s.b] - points[s.a]).normalized();
     const Matrix3d block = body.stiffness * s.stiffnessScale * n * n.transpose();
-    addBlock(triplets, a, a, block);
-    addBlock(triplets, b, b, block);
-    addBlock(triplets, b, a, -block);
+    addBlock(triplets, s.a, s.a, block);
+    addBlock(triplets, s.b, s.b, block);
+    addBlock(triplets, s.b, s.a, -block);
   }
 }
 
 /// At rest the volume term K/2 (V - V0)^2 / V0 of a tetrahedron has the Hessian K/V0 g g^T. g is the gradient
 /// of the volume: for each corner a third of the area vector of the opposite face, pointing to the corner.
-void addTetrahedra(const ElasticBody& body, const MatrixXd& points, Triplets& triplets) {
+void addTetrahedra(const ElasticBody& body, const Positions& points, Triplets& triplets) {
   for (const Tetrahedron& t : body.network.tetrahedra) {
-    const Vector3d a = points.col(t[0]), b = points.col(t[1]) - a, c = points.col(t[2]) - a,
-                   d = points.col(t[3]) - a;
+    const Vector3d a = points[t[0]], b = points[t[1]] - a, c = points[t[2]] - a, d = points[t[3]] - a;
     std::array<Vector3d, 4> g{Vector3d::Zero(), c.cross(d) / 6.0, d.cross(b) / 6.0, b.cross(c) / 6.0};
     g[0] = -(g[1] + g[2] + g[3]);
     const double factor = body.volumeModulus / std::abs(b.dot(g[1]));
@@ -61,14 +65,12 @@ void addTetrahedra(const ElasticBody& body, const MatrixXd& points, Triplets& tr
 }
 
 /// Returns sqrt(K/V0) g for the volume term of the whole inside of the surface.
-MatrixXd surfaceGradient(const ElasticBody& body, const MatrixXd& points) {
-  MatrixXd gradient = MatrixXd::Zero(points.size(), 1);
-  for (const Triangle& t : body.network.surface) {
-    const Vector3d a = points.col(t[0]), b = points.col(t[1]), c = points.col(t[2]);
-    for (const std::uint32_t corner : t) gradient.block<3, 1>(3 * corner, 0) += (b - a).cross(c - a) / 6.0;
-  }
+MatrixXd surfaceGradient(const ElasticBody& body, const Positions& points) {
+  MatrixXd gradient = MatrixXd::Zero(3 * static_cast<Index>(points.size()), 1);
+  for (const Triangle& t : body.network.surface)
+    for (const std::uint32_t corner : t) gradient.block<3, 1>(3 * corner, 0) += areaVector(points, t) / 3.0;
   // the volume is a homogeneous function of third degree (Euler)
-  const double volume = std::abs(gradient.col(0).dot(points.reshaped())) / 3.0;
+  const double volume = std::abs(gradient.col(0).dot(asMatrix(points).reshaped())) / 3.0;
   return gradient * std::sqrt(body.volumeModulus / volume);
 }
 
@@ -78,9 +80,9 @@ LinearResponse::LinearResponse(const ElasticBody& body) : points_(scaledPoints(b
   Triplets triplets;
   addSprings(body, points_, triplets);
   if (body.volumeModulus > 0.0) addTetrahedra(body, points_, triplets);
-  Eigen::SparseMatrix<double> stiffness = sumOf(triplets, points_.cols());
+  Eigen::SparseMatrix<double> stiffness = sumOf(triplets, static_cast<Index>(points_.size()));
   const double shift = kShift * stiffness.diagonal().maxCoeff();
-  for (Index i = 0; i < points_.size(); ++i) stiffness.coeffRef(i, i) += shift;
+  for (Index i = 0; i < stiffness.rows(); ++i) stiffness.coeffRef(i, i) += shift;
   factor_ = factorise(stiffness);
   if (body.volumeModulus <= 0.0 || !body.network.tetrahedra.empty()) return;
   volumeGradient_ = surfaceGradient(body, points_);
@@ -120,50 +122,34 @@ std::array<double, 6> uniaxial(const Vector3d& d) {
   return {d[0] * d[0], d[1] * d[1], d[2] * d[2], d[1] * d[2], d[2] * d[0], d[0] * d[1]};
 }
 
-Vector3d twiceAreaVector(const MatrixXd& points, const Triangle& t) {
-  const Vector3d a = points.col(t[0]), b = points.col(t[1]), c = points.col(t[2]);
-  return (b - a).cross(c - a);
-}
-
-std::vector<Vector3d> asVector(const MatrixXd& points) {
-  std::vector<Vector3d> result;
-  for (Index i = 0; i < points.cols(); ++i) result.push_back(points.col(i));
-  return result;
-}
-
 /// Adds the tractions of a stress along a direction that grows in proportion to the coordinate `across` of
 /// the points, integrated against linear shape functions. The force of a corner is area / 12 times the sum of
 /// the stresses at all corners, where its own stress counts twice.
-void addTractions(const MatrixXd& points, const Triangle& t, const Vector3d& along,
+void addTractions(const Positions& points, const Triangle& t, const Vector3d& along,
                   const Eigen::RowVectorXd& across, Eigen::Ref<MatrixXd> forces) {
-  const double area = along.dot(twiceAreaVector(points, t)) / 2.0;
+  const double area = along.dot(areaVector(points, t));
   const double sum = across[t[0]] + across[t[1]] + across[t[2]];
   for (const std::uint32_t corner : t)
     forces.block<3, 1>(3 * Index(corner), 0) += area / 12.0 * (sum + across[corner]) * along;
 }
 
-/// The loads of a body's bending: stresses along each principal axis of the solid that grow across each
-/// other.
-struct BendingLoads {
-  MatrixXd forces;                       ///< 3 #points x 6
-  std::array<BendingModulus, 6> moduli;  ///< the modulus is still the work of a body of 1 Pa
-};
-
-BendingLoads bendingLoads(const SpringNetwork& network, const MatrixXd& points) {
-  const SolidMoments solid = solidMoments(asVector(points), network.surface);
+/// Adds the loads of a body's bending, 3 #points x 6: stresses along each principal axis of the solid that
+/// grow across each other. Returns the moduli, which are still the work of a body of 1 Pa.
+std::array<BendingModulus, 6> addBending(const SpringNetwork& network, const Positions& points,
+                                         Eigen::Ref<MatrixXd> forces) {
+  const SolidMoments solid = solidMoments(points, network.surface);
   const SymmetricParts3 principal = symmetricParts3(solid.second);
-  BendingLoads loads{MatrixXd::Zero(points.size(), 6), {}};
+  std::array<BendingModulus, 6> moduli;
   for (Index load = 0; load < 6; ++load) {
     const Index along = load / 2, across = (along + 1 + load % 2) % 3;
     const Eigen::RowVectorXd height =
-        principal.vectors.col(across).transpose() * (points.colwise() - solid.centre);
+        principal.vectors.col(across).transpose() * (asMatrix(points).colwise() - solid.centre);
     for (const Triangle& t : network.surface)
-      addTractions(points, t, principal.vectors.col(along), height, loads.forces.col(load));
-    loads.moduli[static_cast<std::size_t>(load)] = {
-        solid.volume * principal.values[across],
-        std::sqrt(principal.values[along] / principal.values[across])};
+      addTractions(points, t, principal.vectors.col(along), height, forces.col(load));
+    moduli[static_cast<std::size_t>(load)] = {solid.volume * principal.values[across],
+                                              std::sqrt(principal.values[along] / principal.values[across])};
   }
-  return loads;
+  return moduli;
 }
 
 /// The mean strain under each unit stress, and the response to bending.
@@ -174,28 +160,26 @@ struct Responses {
 
 Responses responsesOf(const ElasticBody& body) {
   const LinearResponse response(body);
-  const MatrixXd& points = response.points();
-  MatrixXd forces = MatrixXd::Zero(points.size(), 12);
+  const Positions& points = response.points();
+  MatrixXd forces = MatrixXd::Zero(3 * static_cast<Index>(points.size()), 12);
   double volume = 0.0;
   for (const Triangle& t : body.network.surface) {
-    const Vector3d area = twiceAreaVector(points, t) / 2.0;
-    volume += area.dot(points.col(t[0])) / 3.0;
+    const Vector3d area = areaVector(points, t);
+    volume += area.dot(points[t[0]]) / 3.0;
     for (int load = 0; load < 6; ++load)
       for (const std::uint32_t corner : t)
         forces.block<3, 1>(3 * corner, load) += unitStress(load) * area / 3.0;
   }
-  const BendingLoads bending = bendingLoads(body.network, points);
-  forces.rightCols<6>() = bending.forces;
-  const MatrixXd u = response.displacements(forces);
   Responses found;
+  found.bending = addBending(body.network, points, forces.rightCols(6));
+  const MatrixXd u = response.displacements(forces);
   for (int load = 0; load < 6; ++load) {
     Matrix3d sum = Matrix3d::Zero();
     for (const Triangle& t : body.network.surface)
       for (const std::uint32_t corner : t)
-        sum += u.block<3, 1>(3 * corner, load) * twiceAreaVector(points, t).transpose() / 6.0;
+        sum += u.block<3, 1>(3 * corner, load) * areaVector(points, t).transpose() / 3.0;
     found.strains[static_cast<std::size_t>(load)] = (sum + sum.transpose()) / (2.0 * volume);
   }
-  found.bending = bending.moduli;
   for (Index load = 0; load < 6; ++load)
     found.bending[static_cast<std::size_t>(load)].modulus /= forces.col(6 + load).dot(u.col(6 + load));
   return found;

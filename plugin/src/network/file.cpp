@@ -91,47 +91,33 @@ void transferNetwork(Stream& stream, Network& network, std::uint32_t version) {
   }
 }
 
-std::string readContents(const std::uint8_t* bytes, std::size_t size, std::uint32_t version,
-                         SpringNetwork& network) {
-  ByteReader reader(bytes, size);
-  transferNetwork(reader, network, version);
-  if (!reader.problem().empty()) return reader.problem();
-  if (reader.bytesLeft() > 0)
-    return std::to_string(reader.bytesLeft()) + " bytes follow the end of its contents";
-  return validate(network).error();
-}
-
-}  // namespace
-
 /// Returns the first version that has all that the network has.
-static std::uint32_t versionFor(const SpringNetwork& network) {
+std::uint32_t versionFor(const SpringNetwork& network) {
   if (network.thickness != 0.0 || network.volume != 0.0) return 3;
   return network.groups.empty() ? 1 : 2;
 }
 
+}  // namespace
+
 std::vector<std::uint8_t> toBytes(const SpringNetwork& network) {
   const std::uint32_t version = versionFor(network);
-  std::vector<std::uint8_t> bytes;
-  bytes.resize(kHeaderBytes);
-  ByteWriter writer(bytes);
-  transferNetwork(writer, network, version);
-  seal(kFormat, version, bytes);
-  return bytes;
+  return sealedBytes(
+      kFormat, [&](ByteWriter& writer) { transferNetwork(writer, network, version); }, version);
 }
 
 Result<SharedNetwork> fromBytes(const std::uint8_t* bytes, std::size_t size) {
-  std::string reason = checkSealed(kFormat, bytes, size);
   auto network = std::make_shared<SpringNetwork>();
-  if (reason.empty())
-    reason = readContents(bytes + kHeaderBytes, size - kHeaderBytes, versionOf(bytes), *network);
+  std::string reason = readSealed(
+      kFormat, bytes, size, *network,
+      [&](ByteReader& reader, SpringNetwork& read) { transferNetwork(reader, read, versionOf(bytes)); });
+  if (reason.empty()) reason = validate(*network).error();
   if (!reason.empty()) return Error{std::move(reason)};
   return SharedNetwork(std::move(network));
 }
 
 Result<void> saveNetwork(const SpringNetwork& network, const std::string& file) {
   if (Result<void> valid = validate(network); !valid) return Error{file + ": " + valid.error()};
-  std::string reason = writeWholeFile(file, toBytes(network));
-  return reason.empty() ? Result<void>() : Error{std::move(reason)};
+  return writeWholeFile(file, toBytes(network));
 }
 
 Result<SharedNetwork> loadNetwork(const std::string& file) {
@@ -175,9 +161,9 @@ Result<Format> formatOf(const std::string& file) {
   return Error{file + ": the name must end in .obj or .ply"};
 }
 
-Result<void> write(const std::string& file, const Text& text) {
-  std::string reason = writeWholeFile(file, text.bytes());
-  return reason.empty() ? Result<void>() : Error{std::move(reason)};
+void beginPly(std::size_t vertices, Text& text) {
+  text.add("ply\nformat ascii 1.0\ncomment Limber\nelement vertex %zu\n", vertices);
+  text.add("property double x\nproperty double y\nproperty double z\n");
 }
 
 void addObj(const TriangleMesh& mesh, Text& text) {
@@ -205,8 +191,7 @@ void addObj(const TriangleMesh& mesh, Text& text) {
 }
 
 void addPly(const TriangleMesh& mesh, Text& text) {
-  text.add("ply\nformat ascii 1.0\ncomment Limber\nelement vertex %zu\n", mesh.positions.size());
-  text.add("property double x\nproperty double y\nproperty double z\n");
+  beginPly(mesh.positions.size(), text);
   if (!mesh.normals.empty()) text.add("property float nx\nproperty float ny\nproperty float nz\n");
   if (!mesh.uvs.empty()) text.add("property float s\nproperty float t\n");
   text.add("element face %zu\nproperty list uchar uint vertex_indices\nend_header\n", mesh.triangles.size());
@@ -231,7 +216,7 @@ Result<void> saveMesh(const TriangleMesh& mesh, const std::string& file) {
   if (Result<void> valid = validate(mesh); !valid) return Error{file + ": " + valid.error()};
   Text text;
   (*format == Format::Obj ? addObj : addPly)(mesh, text);
-  return write(file, text);
+  return writeWholeFile(file, text.bytes());
 }
 
 Result<void> saveSprings(const SpringNetwork& network, const std::vector<Eigen::Vector3d>& points,
@@ -244,8 +229,7 @@ Result<void> saveSprings(const SpringNetwork& network, const std::vector<Eigen::
   const bool ply = *format == Format::Ply;
   Text text;
   if (ply) {
-    text.add("ply\nformat ascii 1.0\ncomment Limber\nelement vertex %zu\n", points.size());
-    text.add("property double x\nproperty double y\nproperty double z\n");
+    beginPly(points.size(), text);
     text.add("element edge %zu\nproperty uint vertex1\nproperty uint vertex2\n", network.springs.size());
     text.add("property uchar kind\nend_header\n");
   } else {
@@ -259,7 +243,7 @@ Result<void> saveSprings(const SpringNetwork& network, const std::vector<Eigen::
     else
       text.add("l %u %u\n", s.a + 1, s.b + 1);
   }
-  return write(file, text);
+  return writeWholeFile(file, text.bytes());
 }
 
 }  // namespace limber

@@ -356,18 +356,9 @@ void addInside(Filling& f, const Sites& sites) {
 
 TetrahedralMesh numberPoints(const Filling& f) {
   TetrahedralMesh mesh;
-  std::vector<std::uint32_t> pointOf(f.cut.lattice.size() + f.cut.cuts.size(), kNoSite);
-  for (const Tetrahedron& t : f.tetrahedra) {
-    mesh.tetrahedra.push_back(t);
-    for (std::uint32_t& corner : mesh.tetrahedra.back()) {
-      std::uint32_t& point = pointOf[corner];
-      if (point == kNoSite) {
-        point = static_cast<std::uint32_t>(mesh.points.size());
-        mesh.points.push_back(f.position(corner));
-      }
-      corner = point;
-    }
-  }
+  Renumbering numbers(f.cut.lattice.size() + f.cut.cuts.size());
+  for (const Tetrahedron& t : f.tetrahedra) mesh.tetrahedra.push_back(numbers(t));
+  for (const std::uint32_t corner : numbers.kept()) mesh.points.push_back(f.position(corner));
   return mesh;
 }
 

@@ -120,7 +120,7 @@ std::vector<double> clamped(const std::vector<double>& fractions) {
 std::vector<double> areaFractions(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface) {
   std::vector<double> fractions(points.size(), 0.0);
   for (const Triangle& t : surface) {
-    const double area = areaVector(points[t[0]], points[t[1]], points[t[2]]).norm();
+    const double area = areaVector(points, t).norm();
     for (const std::uint32_t corner : t) fractions[corner] += area / 3.0;
   }
   const double sum = std::accumulate(fractions.begin(), fractions.end(), 0.0);

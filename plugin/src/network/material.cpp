@@ -12,8 +12,6 @@
 
 #include <limber/cook.h>
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -25,18 +23,6 @@ namespace {
 /// Tolerance of Poisson's ratio, and the largest number of measurements.
 constexpr double kPoissonError = 5e-4;
 constexpr int kMaxMeasurements = 6;
-
-double volumeOfTetrahedra(const SpringNetwork& network) {
-  double volume = 0.0;
-  for (const Tetrahedron& t : network.tetrahedra) volume += volumeOf(network.restPoints, t);
-  return volume;
-}
-
-/// Settings of a body of this network for a Young's modulus of 1 Pa.
-struct UnitMaterial {
-  double stiffness = 0.0;      ///< m
-  double volumeModulus = 0.0;  ///< per Pa
-};
 
 /// How many times longer than thick a body must be for its bending to count.
 constexpr double kSlender = 3.0;
@@ -117,12 +103,9 @@ VolumeTrial unlocked(const VolumeTrials& trials, VolumeTrial stiffer) {
   return trial;
 }
 
-UnitMaterial findUnitMaterial(const SpringNetwork& network, double poissonRatio,
-                              const Eigen::Vector3d& scale) {
-  const VolumeTrials trials(network, scale);
-  VolumeTrial trial = trialOf(trials, poissonRatio);
-  if (trial.bending > kLocking + kLockingError) trial = unlocked(trials, trial);
-  return {network.stiffnessPerModulus / trial.excess, trial.modulus / trial.excess};
+VolumeTrial findTrial(const VolumeTrials& trials, double poissonRatio) {
+  const VolumeTrial trial = trialOf(trials, poissonRatio);
+  return trial.bending > kLocking + kLockingError ? unlocked(trials, trial) : trial;
 }
 
 }  // namespace
@@ -164,14 +147,15 @@ Result<SharedNetwork> buildMaterialNetwork(const TriangleMesh& mesh, const Mater
   const Result<WeldedMesh> welded = weld(mesh);
   if (!welded) return Error{welded.error()};
   if (!reportProgress("tetrahedra", 0.0)) return Error{kEnded};
-  const auto fillingProgress = [&](double done) { return reportProgress("tetrahedra", done); };
+  const auto partOf = [&](const char* what) {
+    return [&reportProgress, what](double done) { return reportProgress(what, done); };
+  };
   Result<TetrahedralMesh> filling = settings.spacing
                                         ? fillWithTetrahedra(*welded, *settings.spacing)
-                                        : fillWithPoints(*welded, settings.points, fillingProgress);
+                                        : fillWithPoints(*welded, settings.points, partOf("tetrahedra"));
   if (!reportProgress("tetrahedra", 1.0)) return Error{kEnded};
   if (!filling) return Error{filling.error()};
-  const auto springProgress = [&](double done) { return reportProgress("spring constants", done); };
-  SpringNetwork network = materialNetwork(std::move(*filling), springProgress);
+  SpringNetwork network = materialNetwork(std::move(*filling), partOf("spring constants"));
   network.report = welded->report;
   if (!reportProgress("skin", 0.0)) return Error{kEnded};
   Result<SharedNetwork> skinned = withSkin(network, mesh, {SkinKind::Barycentric, 32, 0.0});
@@ -190,13 +174,6 @@ double stiffnessMoment(const SpringNetwork& network, const Eigen::Vector3d& scal
   return sum;
 }
 
-double areaOf(const SpringNetwork& network) {
-  double area = 0.0;
-  for (const Triangle& t : network.surface)
-    area += areaVector(network.restPoints[t[0]], network.restPoints[t[1]], network.restPoints[t[2]]).norm();
-  return area;
-}
-
 /// Spring constant (N/m) and volume modulus for 1 Pa at the scale of a body, and the volume (m^3) of the
 /// material at scale 1.
 struct FormMaterial {
@@ -211,7 +188,7 @@ Result<FormMaterial> ofRopeOrSheet(const SpringNetwork& network, const Eigen::Ve
     return Error{std::string("the thickness of the ") + (isRope ? "rope" : "cloth") +
                  " is 0: a material needs it (see RopeSettings and ClothSettings)"};
   if (!isRope) {
-    const double volume = network.thickness * areaOf(network);
+    const double volume = network.thickness * areaOf(network.restPoints, network.surface);
     return FormMaterial{3.0 * volume / moment, volume};
   }
   double length = 0.0;
@@ -226,8 +203,10 @@ Result<FormMaterial> formOf(const SpringNetwork& network, double poissonRatio, c
   if (network.kind != NetworkKind::Solid) return ofRopeOrSheet(network, scale);
   const auto solidVolume = [&](double own) { return network.volume > 0.0 ? network.volume : own; };
   if (!network.tetrahedra.empty() && network.stiffnessPerModulus > 0.0) {
-    const UnitMaterial unit = findUnitMaterial(network, poissonRatio, scale);
-    return FormMaterial{unit.stiffness, solidVolume(volumeOfTetrahedra(network)), unit.volumeModulus};
+    const VolumeTrial trial = findTrial(VolumeTrials(network, scale), poissonRatio);
+    return FormMaterial{network.stiffnessPerModulus / trial.excess,
+                        solidVolume(volumeOf(network.restPoints, network.tetrahedra)),
+                        trial.modulus / trial.excess};
   }
   const EdgeDefects defects = findEdgeDefects(network.surface);
   if (network.surface.empty() || defects.open > 0)
@@ -295,8 +274,7 @@ void addVolumeTerms(const SpringNetwork& network, std::vector<Matrix3d>& blocks)
   for (const Tetrahedron& t : network.tetrahedra) {
     const double factor = 1.0 / (network.stiffnessPerModulus * volumeOf(x, t));
     for (std::size_t i = 0; i < 4; ++i) {
-      const Vector3d &a = x[t[(i + 1) % 4]], &b = x[t[(i + 2) % 4]], &c = x[t[(i + 3) % 4]];
-      const Vector3d gradient = (b - a).cross(c - a) / 6.0;
+      const Vector3d gradient = areaVector(x[t[(i + 1) % 4]], x[t[(i + 2) % 4]], x[t[(i + 3) % 4]]) / 3.0;
       blocks[t[i]] += factor * gradient * gradient.transpose();
     }
   }

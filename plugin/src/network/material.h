@@ -38,10 +38,10 @@ class LinearResponse {
   /// zero.
   Eigen::MatrixXd displacements(const Eigen::MatrixXd& forces) const;
 
-  const Eigen::MatrixXd& points() const { return points_; }  ///< 3 x #points, m, at the body's scale
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }  ///< m, at the body's scale
 
  private:
-  Eigen::MatrixXd points_;
+  std::vector<Eigen::Vector3d> points_;
   SparseFactor factor_;
   Eigen::MatrixXd volumeGradient_;  ///< 3 #points x 1, m^2, times the root of modulus over volume; or empty
   Eigen::MatrixXd volumeResponse_;  ///< displacements under volumeGradient_ as force, without the volume term

@@ -235,8 +235,7 @@ constexpr double kFastest = 1.5;
 std::map<Edge, double> areasAtEdges(const SpringNetwork& network) {
   std::map<Edge, double> areas;
   for (const Triangle& t : network.surface) {
-    const double area =
-        areaVector(network.restPoints[t[0]], network.restPoints[t[1]], network.restPoints[t[2]]).norm();
+    const double area = areaVector(network.restPoints, t).norm();
     for (std::size_t i = 0; i < 3; ++i) areas[edgeBetween(t[i], t[(i + 1) % 3])] += area;
   }
   return areas;
@@ -286,7 +285,7 @@ std::vector<FourthDegree> sheetElasticities(const SpringNetwork& network) {
   const std::vector<Eigen::Vector3d>& points = network.restPoints;
   std::vector<Eigen::Vector3d> normals(points.size(), Eigen::Vector3d::Zero());
   for (const Triangle& t : network.surface) {
-    const Eigen::Vector3d vector = areaVector(points[t[0]], points[t[1]], points[t[2]]);
+    const Eigen::Vector3d vector = areaVector(points, t);
     for (const std::uint32_t p : t) normals[p] += normals[p].dot(vector) < 0.0 ? -vector : vector;
   }
   std::vector<FourthDegree> elasticities;

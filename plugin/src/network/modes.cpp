@@ -14,27 +14,20 @@
 #include <cstdint>
 
 namespace limber {
-std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network) {
+
+std::vector<std::vector<std::uint32_t>> findPieces(const SpringNetwork& network) {
   const std::size_t points = network.restPoints.size();
   DisjointSets sets(points);
   for (const NetworkSpring& s : network.springs) sets.join(s.a, s.b);
-  std::vector<std::vector<Eigen::Index>> pieces;
-  std::vector<std::size_t> pieceOfRoot(points, 0);
+  std::vector<std::vector<std::uint32_t>> pieces;
+  Renumbering numbers(points);
   for (std::uint32_t i = 0; i < points; ++i) {
-    const std::uint32_t root = sets.root(i);
-    if (root == i) pieceOfRoot[i] = pieces.size(), pieces.emplace_back();
-    pieces[pieceOfRoot[root]].push_back(static_cast<Eigen::Index>(i));
+    const std::uint32_t piece = numbers(sets.root(i));
+    if (piece == pieces.size()) pieces.emplace_back();
+    pieces[piece].push_back(i);
   }
   return pieces;
 }
-
-namespace {
-
-/// Relative to the largest distance from the centre. Points nearer to a line than this are on it, because
-/// meshes have single precision.
-constexpr double kOnLine = 1e-6;
-
-}  // namespace
 
 SparseMatrix rigidityMatrix(const SpringNetwork& network) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -73,6 +66,9 @@ Spread principalSpread(const std::vector<Eigen::Vector3d>& points) {
 }
 
 Eigen::MatrixXd rigidMotions(const std::vector<Eigen::Vector3d>& points) {
+  // relative to the largest distance from the centre; points nearer to a line are on it, because meshes have
+  // single precision
+  constexpr double kOnLine = 1e-6;
   const auto count = static_cast<Eigen::Index>(points.size());
   if (points.empty()) return Eigen::MatrixXd(0, 0);
   const Spread spread = principalSpread(points);
@@ -141,28 +137,18 @@ Eigen::MatrixXd denseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd&
   return symmetricParts(matrix).vectors.leftCols(count);
 }
 
-/// Multiplies several vectors at a time by (K + s)^-1, with a small s so that the inverse exists.
-class ShiftedInverse {
- public:
-  explicit ShiftedInverse(const SparseMatrix& stiffness) {
-    const double stiffest = largestRowSum(stiffness),
-                 shift = stiffest > 0.0 ? kRelativeShift * stiffest : 1.0;
-    SparseMatrix shifted = stiffness;
-    for (Eigen::Index i = 0; i < shifted.rows(); ++i) shifted.coeffRef(i, i) += shift;
-    factor_ = factorise(shifted);
-  }
-
-  Block operator*(const Block& b) const { return solve(factor_, Eigen::MatrixXd(b)); }
-
- private:
-  SparseFactor factor_;
-};
+/// Returns the factor of  K + s,  with a small s so that it has an inverse.
+SparseFactor shiftedFactor(SparseMatrix stiffness) {
+  const double stiffest = largestRowSum(stiffness), shift = stiffest > 0.0 ? kRelativeShift * stiffest : 1.0;
+  for (Eigen::Index i = 0; i < stiffness.rows(); ++i) stiffness.coeffRef(i, i) += shift;
+  return factorise(stiffness);
+}
 
 /// The space of block Lanczos with thick restarts (Wu, Simon 2000) for the inverse, whose largest eigenvalues
 /// are the softest modes. It stores all products instead of using the three-term recurrence: the spaces are
 /// small, and then round-off cannot create false copies of modes.
 struct SoftSpace {
-  const ShiftedInverse& inverse;
+  const SparseFactor& factor;
   const Eigen::MatrixXd& rigid;
   Eigen::MatrixXd basis{}, product{};  ///< orthonormal, and the inverse times it; `columns` columns are used
   Eigen::Index columns = 0;
@@ -207,7 +193,7 @@ Block orthonormal(SoftSpace& space, Block block) {
 
 /// Adds the block to the space and returns the next block, which the inverse makes from it.
 Block extend(SoftSpace& space, const Block& block) {
-  Block response = space.inverse * block;
+  Block response = solve(space.factor, Eigen::MatrixXd(block));
   response -= product(space.rigid, transposedProduct(space.rigid, response));
   space.basis.middleCols(space.columns, kBlock) = block;
   space.product.middleCols(space.columns, kBlock) = response;
@@ -274,8 +260,8 @@ void converge(SoftSpace& space, Eigen::Index count) {
 }
 
 Eigen::MatrixXd sparseModes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const ShiftedInverse inverse(stiffness);
-  SoftSpace space{inverse, rigid};
+  const SparseFactor factor = shiftedFactor(stiffness);
+  SoftSpace space{factor, rigid};
   space.basis.resize(stiffness.rows(), 2 * count + 6 * kBlock);
   space.product.resize(stiffness.rows(), space.basis.cols());
   converge(space, count);
@@ -286,14 +272,14 @@ constexpr int kRoughPasses = 2;
 
 /// Computes shapes by inverse iteration of a random space (subspace iteration).
 Eigen::MatrixXd roughShapes(const SparseMatrix& stiffness, const Eigen::MatrixXd& rigid, Eigen::Index count) {
-  const ShiftedInverse inverse(stiffness);
+  const SparseFactor factor = shiftedFactor(stiffness);
   Random random(1);
   Eigen::MatrixXd shapes(stiffness.rows(), (count + kBlock - 1) / kBlock * kBlock);
   for (double& x : shapes.reshaped()) x = random.uniform() - 0.5;
   for (int pass = 0; pass < kRoughPasses; ++pass) {
     shapes -= product(rigid, transposedProduct(rigid, shapes));
     for (Eigen::Index j = 0; j < shapes.cols(); j += kBlock)
-      shapes.middleCols(j, kBlock) = inverse * Block(shapes.middleCols(j, kBlock));
+      shapes.middleCols(j, kBlock) = solve(factor, Eigen::MatrixXd(shapes.middleCols(j, kBlock)));
     shapes -= product(rigid, transposedProduct(rigid, shapes));
     shapes = orthogonalColumns(shapes, shapes.cols());
   }

@@ -8,13 +8,14 @@
 #include <Eigen/SparseCore>
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace limber {
 
 /// Returns the points of each piece that springs connect, ascending; the pieces are in the order of their
 /// first points.
-std::vector<std::vector<Eigen::Index>> findPieces(const SpringNetwork& network);
+std::vector<std::vector<std::uint32_t>> findPieces(const SpringNetwork& network);
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 

@@ -7,6 +7,7 @@
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
+#include "network/bracing.h"
 #include "network/material.h"
 
 #include <Eigen/Geometry>
@@ -43,11 +44,10 @@ struct Shells {
 };
 
 Shells findShells(const TriangleMesh& wrapped) {
-  const std::vector<std::vector<Triangle>> triangles = trianglesOfPieces(wrapped);
+  const std::vector<std::vector<Triangle>> triangles =
+      trianglesOfPieces(wrapped.positions.size(), wrapped.triangles);
   std::vector<double> volume;
-  volume.reserve(triangles.size());
-  for (const std::vector<Triangle>& piece : triangles)
-    volume.push_back(signedVolume(wrapped.positions, piece));
+  for (const auto& piece : triangles) volume.push_back(signedVolume(wrapped.positions, piece));
   std::vector<std::size_t> order(triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -67,13 +67,15 @@ std::vector<std::uint32_t> bodyOfTriangles(const WeldedMesh& welded, const Trian
                                            const Shells& shells) {
   const TriangleBvh bvh(wrapped.positions, shells.triangles);
   const SurfaceComponents pieces = findComponents(welded.points.size(), welded.triangles);
-  std::vector<std::vector<std::size_t>> votes(pieces.count, std::vector<std::size_t>(shells.bodies, 0));
+  std::vector<std::map<std::uint32_t, std::size_t>> votes(pieces.count);  // of each piece for bodies
   for (std::size_t t = 0; t < welded.triangles.size(); ++t)
     ++votes[pieces.ofTriangle[t]]
            [shells.bodyOfTriangle[bvh.nearest(welded.points[welded.triangles[t][0]]).triangle]];
   std::vector<std::uint32_t> bodyOfPiece, body;
-  for (const std::vector<std::size_t>& v : votes)
-    bodyOfPiece.push_back(static_cast<std::uint32_t>(std::max_element(v.begin(), v.end()) - v.begin()));
+  for (const auto& v : votes)
+    bodyOfPiece.push_back(std::max_element(v.begin(), v.end(), [](const auto& a, const auto& b) {
+                            return a.second < b.second;
+                          })->first);
   for (const std::uint32_t piece : pieces.ofTriangle) body.push_back(bodyOfPiece[piece]);
   return body;
 }
@@ -111,12 +113,6 @@ std::vector<Triangle> withoutCrumbs(const TriangleMesh& mesh, const WeldedMesh& 
   return kept;
 }
 
-/// Returns the distance (m) up to which wrap() joins pieces of the mesh.
-double joinOf(const WrapSettings& settings, const TriangleMesh& mesh) {
-  if (settings.join > 0.0) return settings.join;
-  return kWrapWidths * (settings.resolution > 0.0 ? settings.resolution : extent(mesh) / kWrapCells);
-}
-
 void leaveOutTinyOnes(std::vector<Part>& parts) {
   double largest = 0.0;
   for (const Part& part : parts) largest = std::max(largest, extent(part.welded.points));
@@ -138,19 +134,21 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
   Result<Part> whole = makePart(mesh);
   if (!whole) return Error{whole.error()};
   if (whole->welded.report.components > 1 && mayBeApart) {
-    std::vector<Triangle> kept = withoutCrumbs(mesh, whole->welded, joinOf(settings, mesh));
+    const double join = withDefaults(settings, extent(mesh)).join;
+    std::vector<Triangle> kept = withoutCrumbs(mesh, whole->welded, join);
     if (kept.size() < whole->welded.triangles.size())
       return splitIntoParts(partOf(mesh, std::move(kept)), settings, mayBeApart);
-    const Result<WrappedMesh> wrapped = wrapOfField(mesh, settings, "wrap.");
+    const Result<WrappedMesh> wrapped = wrapOfField(mesh, settings, "wrap.", 0.0);  // with small pieces
     if (!wrapped) return Error{wrapped.error()};
     const Shells shells = findShells(wrapped->mesh);
-    if (shells.bodies > 1 && shells.bodies <= kMaxBodies) {
+    std::map<std::uint32_t, std::vector<Triangle>> trianglesOf;  // by body
+    if (shells.bodies > 1) {
       const std::vector<std::uint32_t> body = bodyOfTriangles(whole->welded, wrapped->mesh, shells);
-      for (std::uint32_t b = 0; b < shells.bodies; ++b) {
-        std::vector<Triangle> triangles;
-        for (std::size_t t = 0; t < body.size(); ++t)
-          if (body[t] == b) triangles.push_back(mesh.triangles[whole->welded.keptTriangles[t]]);
-        if (triangles.empty()) continue;
+      for (std::size_t t = 0; t < body.size(); ++t)
+        trianglesOf[body[t]].push_back(mesh.triangles[whole->welded.keptTriangles[t]]);
+    }
+    if (trianglesOf.size() > 1 && trianglesOf.size() <= kMaxBodies) {
+      for (auto& [body, triangles] : trianglesOf) {
         Result<Part> part = makePart(partOf(mesh, std::move(triangles)));
         if (!part) return Error{part.error()};
         parts.push_back(std::move(*part));
@@ -166,18 +164,13 @@ Result<std::vector<Part>> splitIntoParts(const TriangleMesh& mesh, const WrapSet
 Result<WeldedMesh> wrapOutside(const TriangleMesh& mesh, WrapSettings settings, double thickness) {
   settings.connect = true;
   if (settings.resolution == 0.0) {
-    const double cell = extent(mesh) / kWrapCells;
-    settings.resolution = std::max(cell, thickness / kCellsPerThickness);
-    if (settings.thickness == 0.0) settings.thickness = kWrapWidths * cell;
-    if (settings.join == 0.0) settings.join = kWrapWidths * cell;
+    settings = withDefaults(settings, extent(mesh));
+    settings.resolution = std::max(settings.resolution, thickness / kCellsPerThickness);
   }
   settings.thickness = std::max(settings.thickness, thickness);
   const Result<WrappedMesh> result = wrapOfField(mesh, settings, "wrap.");
   if (!result) return Error{result.error()};
-  TriangleMesh outside;
-  outside.positions = result->mesh.positions;
-  outside.triangles = findShells(result->mesh).triangles;
-  return weld(outside);
+  return weld(meshOf(result->mesh.positions, findShells(result->mesh).triangles));
 }
 
 namespace {
@@ -207,25 +200,14 @@ constexpr double kPlateArea = 0.8;
 /// Stiffness of the springs between second neighbours, which resist bending, relative to the edges.
 constexpr double kSheetBending = 0.1;
 
-double areaOf(const WeldedMesh& mesh) {
-  double area = 0.0;
-  for (const Triangle& t : mesh.triangles)
-    area += areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]).norm();
-  return area;
-}
-
 /// Returns the length (m) of the edges of only one triangle.
 double borderLength(const WeldedMesh& mesh) {
   double length = 0.0;
-  forEachEdge(mesh.triangles, [&](const Edge& edge, std::size_t uses) {
-    if (uses == 1) length += (mesh.points[edge[0]] - mesh.points[edge[1]]).norm();
+  forEachEdge(mesh.triangles, [&](const Side* sides, std::size_t uses) {
+    if (uses == 1) length += (mesh.points[sides->edge[0]] - mesh.points[sides->edge[1]]).norm();
   });
   return length;
 }
-
-}  // namespace
-
-namespace {
 
 Vector3d sizeAlong(const Eigen::Matrix3d& axes, const std::vector<Vector3d>& points) {
   Eigen::AlignedBox3d box;
@@ -270,22 +252,32 @@ FlatBox flatBoxOf(const std::vector<Vector3d>& points) {
   return {axes, sizeAlong(axes, points)};
 }
 
+double facingShare(const WeldedMesh& mesh, const Vector3d& normal) {
+  double area = 0.0, facing = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vector3d vector = areaVector(mesh.points, t);
+    area += vector.norm();
+    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
+  }
+  return facing / area;
+}
+
 namespace {
 
 /// Returns the part of a closed plate that faces along the normal, moved to the middle of the plate. Sets the
 /// thickness (m) with which it has the plate's volume.
 TriangleMesh middleOf(const TriangleMesh& mesh, const WeldedMesh& welded, const Vector3d& normal,
                       double& thickness) {
+  const std::vector<Triangle> all = chosen(mesh.triangles, welded.keptTriangles);
   std::vector<Triangle> triangles;
   double area = 0.0;
-  for (const std::uint32_t kept : welded.keptTriangles) {
-    const Triangle& t = mesh.triangles[kept];
-    const Vector3d vector = areaVector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+  for (const Triangle& t : all) {
+    const Vector3d vector = areaVector(mesh.positions, t);
     if (!(vector.normalized().dot(normal) > 0.5)) continue;
     triangles.push_back(t);
     area += vector.norm();
   }
-  const double volume = signedVolume(welded.points, welded.triangles);
+  const double volume = signedVolume(mesh.positions, all);
   thickness = area > 0.0 ? std::abs(volume) / area : 0.0;
   TriangleMesh middle = partOf(mesh, std::move(triangles));
   for (Vector3d& p : middle.positions) p -= std::copysign(0.5 * thickness, volume) * normal;
@@ -294,9 +286,8 @@ TriangleMesh middleOf(const TriangleMesh& mesh, const WeldedMesh& welded, const 
 
 double longestEdge(const TriangleMesh& mesh) {
   double longest = 0.0;
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t i = 0; i < 3; ++i)
-      longest = std::max(longest, (mesh.positions[t[i]] - mesh.positions[t[(i + 1) % 3]]).norm());
+  for (const Edge& e : uniqueEdges(mesh.triangles))
+    longest = std::max(longest, (mesh.positions[e[0]] - mesh.positions[e[1]]).norm());
   return longest;
 }
 
@@ -330,6 +321,16 @@ TriangleMesh refined(TriangleMesh mesh, std::size_t limit) {
   return mesh;
 }
 
+/// Points with more neighbours are hubs of fans.
+constexpr std::size_t kMostNeighbours = 32;
+
+/// Adds the springs between second neighbours, which resist bending.
+void addBendingSprings(SpringNetwork& sheet) {
+  for (const Edge& pair : findTwoRingPairs(sheet, kMostNeighbours))
+    sheet.springs.push_back({pair[0], pair[1], SpringKind::Brace, 1.0});
+  std::sort(sheet.springs.begin(), sheet.springs.end(), isBefore);
+}
+
 /// Returns the mesh with its triangles turned so that neighbours have the same side.
 TriangleMesh oriented(TriangleMesh mesh, const WeldedMesh& welded) {
   if (welded.report.inconsistentEdges == 0) return mesh;
@@ -350,30 +351,17 @@ SharedNetwork buildSheet(const TriangleMesh& anySides, double thickness, std::si
                                           : Result<TriangleMesh>(refined(mesh, limit));
   if (!coarse) return nullptr;
   NetworkSettings settings;
-  settings.braces = BraceRule::TwoRing;
+  settings.braces = BraceRule::None;
   settings.masses = MassRule::Area;
   const Result<SharedNetwork> network = buildNetwork(*coarse, settings);
   if (!network) return nullptr;
   auto cloth = std::make_shared<SpringNetwork>(**network);
   cloth->kind = NetworkKind::Cloth;
+  addBendingSprings(*cloth);
   setSheetSprings(*cloth, kSheetBending);
   cloth->thickness = thickness;
   return cloth;
 }
-
-}  // namespace
-
-double facingShare(const WeldedMesh& mesh, const Vector3d& normal) {
-  double area = 0.0, facing = 0.0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vector3d vector = areaVector(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]);
-    area += vector.norm();
-    if (std::abs(vector.dot(normal)) > 0.5 * vector.norm()) facing += vector.norm();
-  }
-  return facing / area;
-}
-
-namespace {
 
 /// Returns whether an open mesh encloses what is below it, because its openings have no area: neighbouring
 /// faces have other vertices on their common edge.
@@ -384,11 +372,9 @@ bool isClosedInEffect(const WeldedMesh& mesh) {
   flip(triangles, patchesFacingInward(mesh.points, triangles));
   const TriangleBvh bvh(mesh.points, triangles);
   for (std::size_t i = 0; i < triangles.size(); i += 1 + triangles.size() / kSamples) {
-    const Vector3d &a = mesh.points[triangles[i][0]], &b = mesh.points[triangles[i][1]],
-                   &c = mesh.points[triangles[i][2]];
-    const Vector3d vector = areaVector(a, b, c),
+    const Vector3d vector = areaVector(mesh.points, triangles[i]),
                    below = -1e-3 * std::sqrt(vector.norm()) * vector.normalized();
-    if (bvh.windingNumber((a + b + c) / 3.0 + below) < kEnclosed) return false;
+    if (bvh.windingNumber(centroid(mesh.points, triangles[i]) + below) < kEnclosed) return false;
   }
   return true;
 }
@@ -398,14 +384,16 @@ bool isClosedInEffect(const WeldedMesh& mesh) {
 SharedNetwork sheetOf(const TriangleMesh& mesh, const WeldedMesh& welded, std::size_t points) {
   if (welded.report.components != 1) return nullptr;
   const FlatBox box = flatBoxOf(welded.points);
-  const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded), border = borderLength(welded);
+  const double size = box.size.head<2>().maxCoeff(), area = areaOf(welded.points, welded.triangles),
+               border = borderLength(welded);
   const bool isFlat = box.size.z() < kFlat * size && facingShare(welded, box.axes.col(2)) > kPlateArea;
-  if (isFlat && welded.report.watertight()) {
+  const bool hasLongBorder = border * border > kSheetBorder * area;
+  if (isFlat && !hasLongBorder) {  // a plate, closed but for some defects
     double thickness = 0.0;
-    const TriangleMesh middle = middleOf(mesh, welded, box.axes.col(2), thickness);
+    const TriangleMesh middle = middleOf(oriented(mesh, welded), welded, box.axes.col(2), thickness);
     return buildSheet(middle, thickness, points);
   }
-  const bool isOpen = border * border > kSheetBorder * area && !isClosedInEffect(welded);
+  const bool isOpen = hasLongBorder && !isClosedInEffect(welded);
   return isFlat || isOpen ? buildSheet(mesh, kSheetThickness * size, points) : SharedNetwork();
 }
 
@@ -436,6 +424,12 @@ struct TubeSamples {
     area.push_back(weight);
   }
 };
+
+/// The smallest and the largest circumference of sections of the same mass, relative to the mean.
+constexpr double kThinnest = 0.5, kThickest = 2.0;
+
+/// Least mass of a section, relative to the mean: the lightest point limits the time step.
+constexpr double kLeastMass = 0.2;
 
 /// Samples the sections of a triangle at equal distances along the tube, each at both of its ends.
 void sampleTriangle(const WeldedMesh& mesh, Triangle t, const std::vector<double>& length, double step,
@@ -471,12 +465,12 @@ void extendToEnd(Vector3d& end, const Vector3d& next, const Vector3d& afterNext,
 }
 
 /// Returns the middles of the sections at equal distances along the tube, and its ends; empty if a section is
-/// not small and round enough.
+/// not small and round enough. Sets the areas of the sections.
 std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double radius,
-                               std::uint32_t segments) {
+                               std::uint32_t segments, std::vector<double>& area) {
   const double step = length / segments;
   std::vector<Vector3d> axis(segments + 1, Vector3d::Zero());
-  std::vector<double> area(segments + 1, 0.0);
+  area.assign(segments + 1, 0.0);
   const auto sectionOf = [&](std::size_t i) {
     return static_cast<std::size_t>(std::min(double(segments), std::round(samples.along[i] / step)));
   };
@@ -496,6 +490,22 @@ std::vector<Vector3d> findAxis(const TubeSamples& samples, double length, double
   return axis;
 }
 
+/// Sets the masses of a rope if its sections differ, as those of a cone: a section of a closed tube has the
+/// mass of its volume, one of an open tube that of its area.
+void setMasses(std::vector<double> area, bool isClosed, SpringNetwork& rope) {
+  area.front() *= 2.0, area.back() *= 2.0;  // they are half as long
+  const double mean = std::accumulate(area.begin(), area.end(), 0.0) / static_cast<double>(area.size());
+  const auto isUsual = [&](double a) { return a > kThinnest * mean && a < kThickest * mean; };
+  if (std::all_of(area.begin() + 1, area.end() - 1, isUsual)) return;
+  std::vector<double>& masses = rope.massFractions;
+  for (std::size_t s = 0; s < area.size(); ++s) masses[s] *= isClosed ? area[s] * area[s] : area[s];
+  const auto sum = [&] { return std::accumulate(masses.begin(), masses.end(), 0.0); };
+  const double least = kLeastMass * sum() / static_cast<double>(masses.size());
+  for (double& mass : masses) mass = std::max(mass, least);
+  const double all = sum();
+  for (double& mass : masses) mass /= all;
+}
+
 /// Returns the radius of the round rope that has the volume of a closed tube, or the circumference of an open
 /// one, whose radius is `radius`.
 double roundRadius(const WeldedMesh& welded, const std::vector<Vector3d>& axis, double radius) {
@@ -510,10 +520,11 @@ double roundRadius(const WeldedMesh& welded, const std::vector<Vector3d>& axis, 
 
 SharedNetwork ropeOf(const WeldedMesh& welded) {
   if (welded.report.components != 1) return nullptr;
-  const Links links = edgeLinks(welded.points, welded.triangles);
+  const Links links = edgeLinks(welded.points, uniqueEdges(welded.triangles));
   const std::uint32_t end = farthest(shortestPaths(links, welded.triangles[0][0], HUGE_VAL));
   const std::vector<double> length = shortestPaths(links, end, HUGE_VAL);
-  const double total = length[farthest(length)], radius = areaOf(welded) / (2.0 * kPi * total);
+  const double total = length[farthest(length)],
+               radius = areaOf(welded.points, welded.triangles) / (2.0 * kPi * total);
   if (!(total > 2.0 * kRopeLength * radius)) return nullptr;
   RopeSettings settings;
   settings.length = total;
@@ -522,12 +533,14 @@ SharedNetwork ropeOf(const WeldedMesh& welded) {
   const double step = 0.5 * total / settings.segments;
   TubeSamples samples;
   for (const Triangle& t : welded.triangles) sampleTriangle(welded, t, length, step, samples);
-  const std::vector<Vector3d> axis = findAxis(samples, total, radius, settings.segments);
+  std::vector<double> area;
+  const std::vector<Vector3d> axis = findAxis(samples, total, radius, settings.segments, area);
   if (axis.empty()) return nullptr;
   const Result<SharedNetwork> straight = buildRope(settings);
   if (!straight) return nullptr;
   auto rope = std::make_shared<SpringNetwork>(**straight);
   rope->restPoints = axis;
+  setMasses(std::move(area), welded.report.watertight(), *rope);
   rope->thickness = 2.0 * roundRadius(welded, axis, radius);
   return rope;
 }

@@ -57,11 +57,10 @@ double boundSquared(BodyTerms& terms, const PointState& state) {
 PointState restState(const SpringNetwork& network, const SoftBodySettings& settings) {
   PointState state;
   state.resize(static_cast<Eigen::Index>(network.restPoints.size()));
-  for (std::size_t i = 0; i < network.restPoints.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    state.position.col(column) = network.restPoints[i].cwiseProduct(settings.scale);
-    state.inverseMass.col(column).setConstant(1.0 / (settings.totalMass * network.massFractions[i]));
-  }
+  state.position = scaledRest(network, settings.scale);
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+    state.inverseMass.col(i).setConstant(
+        1.0 / (settings.totalMass * network.massFractions[static_cast<std::size_t>(i)]));
   return state;
 }
 
@@ -75,36 +74,16 @@ SoftBodySettings unitSettings(double size) {
   return settings;
 }
 
-Points restPointsOf(const SpringNetwork& network) {
-  Points rest(3, static_cast<Eigen::Index>(network.restPoints.size()));
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    rest.col(i) = network.restPoints[static_cast<std::size_t>(i)];
-  return rest;
-}
-
-/// Returns the largest trace of a rotation times C: the largest eigenvalue of a symmetric matrix whose
-/// eigenvector is the rotation's quaternion (B. Horn, "Closed-form solution of absolute orientation using
-/// unit quaternions", 1987).
-double largestTrace(const Eigen::Matrix3d& c) {
-  const Eigen::Vector3d twist(c(1, 2) - c(2, 1), c(2, 0) - c(0, 2), c(0, 1) - c(1, 0));
-  Eigen::MatrixXd m(4, 4);
-  m(0, 0) = c.trace();
-  m.block<3, 1>(1, 0) = twist;
-  m.block<1, 3>(0, 1) = twist.transpose();
-  m.block<3, 3>(1, 1) = c + c.transpose() - c.trace() * Eigen::Matrix3d::Identity();
-  return symmetricValues(m)[3];
-}
-
 /// Returns the sum of the squared distances after the best rigid motion:  sum |x|^2 + |y|^2 - 2 x . R y.
 double squaredDistance(const Points& a, const Points& b) {
   const Points x = a.colwise() - a.rowwise().mean(), y = b.colwise() - b.rowwise().mean();
-  const Eigen::Matrix3d covariance = x * y.transpose();
-  return std::max(0.0, x.squaredNorm() + y.squaredNorm() - 2.0 * largestTrace(covariance));
+  const double largestProduct = symmetricValues(quaternionMatrix(x * y.transpose()))[3];
+  return std::max(0.0, x.squaredNorm() + y.squaredNorm() - 2.0 * largestProduct);
 }
 
 }  // namespace
 
-RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(network)) {
+RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(scaledRest(network, Eigen::Vector3d::Ones())) {
   const SoftBodySettings settings = unitSettings(extent(rest));
   rest *= settings.scale.x();
   terms = BodyTerms(network, settings);
@@ -114,7 +93,7 @@ RelaxedBody::RelaxedBody(const SpringNetwork& network) : rest(restPointsOf(netwo
 double distanceToRest(const RelaxedBody& body, const Points& x) {
   if (!x.allFinite()) return std::numeric_limits<double>::infinity();
   double sum = 0.0;
-  for (const std::vector<Eigen::Index>& piece : body.pieces)
+  for (const std::vector<std::uint32_t>& piece : body.pieces)
     sum += squaredDistance(body.rest(Eigen::all, piece), x(Eigen::all, piece));
   return std::sqrt(sum / static_cast<double>(x.cols()));
 }
@@ -557,6 +536,26 @@ void invert(Points& x) {
   for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = 2.0 * centre - x.col(i);
 }
 
+void deformBy(Deformation kind, double size, Points& x, Random& random) {
+  const Direction d = random.direction();
+  switch (kind) {
+    case Deformation::Squash:
+      return squash(x, d, kSquashScale);
+    case Deformation::Twist:
+      return twist(x, d);
+    case Deformation::Noise:
+      return moveAll(x, kNoise * size, random);
+    case Deformation::Push:
+      return push(x, random.below(static_cast<std::size_t>(x.cols())), d, size);
+    case Deformation::Mirror:
+      return mirrorSlab(x, d);
+    case Deformation::Flatten:
+      return squash(x, d, 0.0);
+    case Deformation::Inversion:
+      return invert(x);
+  }
+}
+
 Random randomOf(Deformation kind, std::uint64_t seed, std::uint64_t run) {
   Random mixed(seed);
   Random perKind(mixed.next() ^ (static_cast<std::uint64_t>(kind) + 1));
@@ -568,31 +567,8 @@ Random randomOf(Deformation kind, std::uint64_t seed, std::uint64_t run) {
 Points deform(const Points& rest, Deformation kind, std::uint64_t seed, std::uint64_t run) {
   Random random = randomOf(kind, seed, run);
   const double size = extent(rest);
-  const Direction d = random.direction();
   Points x = rest;
-  switch (kind) {
-    case Deformation::Squash:
-      squash(x, d, kSquashScale);
-      break;
-    case Deformation::Twist:
-      twist(x, d);
-      break;
-    case Deformation::Noise:
-      moveAll(x, kNoise * size, random);
-      break;
-    case Deformation::Push:
-      push(x, random.below(static_cast<std::size_t>(x.cols())), d, size);
-      break;
-    case Deformation::Mirror:
-      mirrorSlab(x, d);
-      break;
-    case Deformation::Flatten:
-      squash(x, d, 0.0);
-      break;
-    case Deformation::Inversion:
-      invert(x);
-      break;
-  }
+  deformBy(kind, size, x, random);
   moveAll(x, kPerturbation * size, random);
   return x;
 }

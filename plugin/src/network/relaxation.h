@@ -43,7 +43,7 @@ PointState restState(const SpringNetwork& network, const SoftBodySettings& setti
 struct RelaxedBody {
   Points rest;  ///< the rest points over the size
   BodyTerms terms;
-  std::vector<std::vector<Eigen::Index>> pieces;  ///< points that springs connect
+  std::vector<std::vector<std::uint32_t>> pieces;  ///< points that springs connect
 
   explicit RelaxedBody(const SpringNetwork& network);
 };

@@ -7,6 +7,7 @@
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 #include "network/skin.h"
+#include "network/tetrahedra.h"
 
 #include <limber/mesh.h>
 #include <limber/spring_network.h>
@@ -55,15 +56,11 @@ std::vector<Link> nearestPoints(const std::vector<Vector3d>& points, std::uint32
 
 /// Returns the edges of triangles and tetrahedra.
 Links elementLinks(const SpringNetwork& network) {
-  Links links = edgeLinks(network.restPoints, network.surface);
-  const auto isLinked = [&](std::uint32_t a, std::uint32_t b) {
-    return std::any_of(links[a].begin(), links[a].end(), [&](const Link& link) { return link.to == b; });
-  };
-  for (const Tetrahedron& t : network.tetrahedra)
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j)
-        if (!isLinked(t[i], t[j])) connect(links, network.restPoints, t[i], t[j]);
-  return links;
+  std::vector<Edge> edges = uniqueEdges(network.surface);
+  const std::vector<Edge> inside = uniqueEdges(network.tetrahedra);
+  edges.insert(edges.end(), inside.begin(), inside.end());
+  sortUnique(edges);
+  return edgeLinks(network.restPoints, edges);
 }
 
 /// Adds the straight links that stay inside. Returns for each point whether a straight path to a near point
@@ -145,7 +142,7 @@ SparseRows membership(const WeldedMesh& mesh, const SpringNetwork& network, cons
   std::vector<Eigen::Triplet<double>> entries;
   const std::vector<Vector3d> normals = vertexNormals(mesh.points, mesh.triangles);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    const TriangleHit foot = surface.nearestFacing(mesh.points[i], normals[i]);
+    const TriangleHit foot = surface.nearestWithin(mesh.points[i], HUGE_VAL, normals[i]);
     if (!foot) continue;
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t point = network.surface[foot.triangle][static_cast<std::size_t>(c)];

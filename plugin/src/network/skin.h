@@ -23,6 +23,14 @@ struct SkinWeights {
   std::vector<std::uint32_t> firstWeight{0};  ///< #places + 1
   std::vector<std::uint32_t> points;          ///< #weights
   std::vector<double> weights;                ///< #weights
+
+  /// Adds a place that follows these points.
+  template <class Indices>
+  void add(const Indices& followed, const double* shares) {
+    for (const auto point : followed) points.push_back(static_cast<std::uint32_t>(point));
+    weights.insert(weights.end(), shares, shares + followed.size());
+    firstWeight.push_back(static_cast<std::uint32_t>(points.size()));
+  }
 };
 
 /// The places of a skin and the points that they follow.

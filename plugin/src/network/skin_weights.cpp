@@ -37,14 +37,6 @@ Vector4d barycentric(const std::vector<Vector3d>& points, const Tetrahedron& t, 
   return {1.0 - rest.sum(), rest[0], rest[1], rest[2]};
 }
 
-void addPlace(SkinWeights& skin, const std::vector<Vector3d>& points, const Tetrahedron& t,
-              const Vector3d& place) {
-  const Vector4d weights = barycentric(points, t, place);
-  skin.points.insert(skin.points.end(), t.begin(), t.end());
-  skin.weights.insert(skin.weights.end(), weights.data(), weights.data() + 4);
-  skin.firstWeight.push_back(static_cast<std::uint32_t>(skin.points.size()));
-}
-
 /// The faces that belong to only one tetrahedron, and the indices of these tetrahedra.
 struct Border {
   std::vector<Triangle> faces;
@@ -78,19 +70,15 @@ std::uint32_t findTetrahedron(const Vector3d& place, std::uint32_t start, const 
 /// Returns the nearest triangle that faces the same direction as the place. A part of the body that only
 /// nearly touches faces the opposite direction.
 std::uint32_t nearestFacingTriangle(const TriangleBvh& bvh, const SkinProblem& problem, std::size_t place) {
-  const TriangleHit hit = bvh.nearestFacing(problem.places[place], problem.normals[place]);
+  const TriangleHit hit = bvh.nearestWithin(problem.places[place], HUGE_VAL, problem.normals[place]);
   return hit ? hit.triangle : bvh.nearest(problem.places[place]).triangle;
-}
-
-Vector3d unitNormal(const std::vector<Vector3d>& points, const Triangle& t) {
-  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).normalized();
 }
 
 /// Returns the height of the point over the plane of the triangle divided by the distance from its centroid.
 double steepness(const std::vector<Vector3d>& points, const Triangle& t, std::uint32_t point) {
-  const Vector3d away = points[point] - (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
+  const Vector3d away = points[point] - centroid(points, t);
   const double distance = away.norm();
-  return distance > 0.0 ? std::abs(away.dot(unitNormal(points, t))) / distance : 0.0;
+  return distance > 0.0 ? std::abs(away.dot(areaVector(points, t).normalized())) / distance : 0.0;
 }
 
 /// Smallest steepness of a fourth corner; otherwise the steepest of all points is used.
@@ -99,9 +87,9 @@ constexpr double kMinSteepness = 0.3;
 /// Returns a point on the opposite side of the body that makes a tetrahedron with the triangle.
 std::uint32_t fourthCorner(const std::vector<Vector3d>& points, const std::vector<Triangle>& surface,
                            const TriangleBvh& bvh, const Triangle& t) {
-  const Vector3d middle = (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
   const double size = (points[t[1]] - points[t[0]]).norm();
-  const auto hit = bvh.firstHit(middle, -unitNormal(points, t), 1e-3 * size, HUGE_VAL);
+  const Vector3d inward = -areaVector(points, t).normalized();
+  const auto hit = bvh.firstHit(centroid(points, t), inward, 1e-3 * size, HUGE_VAL);
   std::uint32_t best = kNoTriangle;
   double steepest = kMinSteepness;
   const auto keepSteeper = [&](std::uint32_t point) {
@@ -128,7 +116,7 @@ SkinWeights tetrahedronWeights(const SkinProblem& problem, const std::vector<Tet
     const Vector3d& place = problem.places[p];
     const std::uint32_t start = border.owner[nearestFacingTriangle(bvh, problem, p)];
     const std::uint32_t found = findTetrahedron(place, start, problem.points, tetrahedra, neighbours);
-    addPlace(result, problem.points, tetrahedra[found], place);
+    result.add(tetrahedra[found], barycentric(problem.points, tetrahedra[found], place).data());
   }
   return result;
 }
@@ -141,7 +129,8 @@ SkinWeights triangleWeights(const SkinProblem& problem, const std::vector<Triang
     const std::uint32_t i = nearestFacingTriangle(bvh, problem, p);
     const Triangle& t = surface[i];
     if (fourth[i] == kNoTriangle) fourth[i] = fourthCorner(problem.points, surface, bvh, t);
-    addPlace(result, problem.points, {t[0], t[1], t[2], fourth[i]}, problem.places[p]);
+    const Tetrahedron tetrahedron{t[0], t[1], t[2], fourth[i]};
+    result.add(tetrahedron, barycentric(problem.points, tetrahedron, problem.places[p]).data());
   }
   return result;
 }
@@ -348,6 +337,8 @@ SkinWeights denseWeights(const SkinProblem& problem) {
   const Index n = points.rows();
   const Lu factors(interpolationMatrix(kSmooth, points));
   const MatrixXd inverse = problem.variances.nonZeros() > 0 ? MatrixXd(factors.inverse()) : MatrixXd();
+  std::vector<std::uint32_t> all(problem.points.size());
+  std::iota(all.begin(), all.end(), 0u);
   SkinWeights result;
   result.weights.reserve(problem.points.size() * problem.places.size());
   result.points.reserve(problem.points.size() * problem.places.size());
@@ -361,11 +352,7 @@ SkinWeights denseWeights(const SkinProblem& problem) {
     }
     MatrixXd weights = solutions.topRows(n);
     makeAffineExact(points, batch, weights);
-    result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
-  }
-  for (std::size_t i = 0; i < problem.places.size(); ++i) {
-    for (Index point = 0; point < n; ++point) result.points.push_back(static_cast<std::uint32_t>(point));
-    result.firstWeight.push_back(static_cast<std::uint32_t>(result.points.size()));
+    for (Index i = 0; i < batch.rows(); ++i) result.add(all, weights.col(i).data());
   }
   return result;
 }
@@ -385,9 +372,7 @@ SkinWeights sparseWeights(const SkinProblem& problem, std::uint32_t neighbours) 
     MatrixXd weights = Lu(system).solve(rightSides(kCubic, scaled, place));
     weights.conservativeResize(neighbourPoints.rows(), 1);
     makeAffineExact(scaled, place, weights);
-    result.weights.insert(result.weights.end(), weights.data(), weights.data() + weights.size());
-    for (const Index point : chosen) result.points.push_back(static_cast<std::uint32_t>(point));
-    result.firstWeight.push_back(static_cast<std::uint32_t>(result.points.size()));
+    result.add(chosen, weights.data());
   }
   return result;
 }

@@ -1,29 +1,351 @@
 // SPDX-License-Identifier: Zlib
-// Computes the response of a solid body to uniform and linear stresses and to its own vibrations.
+// Integrates stiffness and mass of linear and quadratic tetrahedra, computes the slowest free vibrations of a
+// solid body from quadratic ones, and its response to uniform and linear stresses and to these vibrations.
 
 #include "network/solid_responses.h"
 
 #include "mesh/linear_algebra.h"
+#include "mesh/surface.h"
 #include "network/masses.h"
-#include "network/solid_modes.h"
+#include "network/modes.h"
 
 #include <limber/mesh.h>
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace limber {
+
+// --- elements ----------------------------------------------------------------------------------------------
+
 namespace {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+
+/// Corners of the edges of a tetrahedron.
+constexpr std::array<std::array<std::size_t, 2>, 6> kEdgeCorners{
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+/// Volume of a tetrahedron and the gradients (1/m) of its barycentric coordinates.
+struct TetrahedronFrame {
+  std::array<Vector3d, 4> gradients;
+  double volume = 0.0;
+};
+
+TetrahedronFrame frameOf(const std::array<Vector3d, 4>& corners) {
+  const Vector3d b = corners[1] - corners[0], c = corners[2] - corners[0], d = corners[3] - corners[0];
+  const double determinant = b.dot(c.cross(d));
+  TetrahedronFrame frame{
+      {Vector3d::Zero(), c.cross(d) / determinant, d.cross(b) / determinant, b.cross(c) / determinant},
+      determinant / 6.0};
+  frame.gradients[0] = -(frame.gradients[1] + frame.gradients[2] + frame.gradients[3]);
+  return frame;
+}
+
+template <class Nodes>
+std::array<Vector3d, 4> fourCorners(const std::vector<Vector3d>& points, const Nodes& nodes) {
+  return {points[nodes[0]], points[nodes[1]], points[nodes[2]], points[nodes[3]]};
+}
+
+/// Returns the stiffness between two shape functions with these gradients, for each volume:
+/// mu (b a^T + a . b I) + lambda a b^T.
+Matrix3d stiffnessBlock(const Vector3d& a, const Vector3d& b) {
+  return kShearModulus * (a * b.transpose() + b * a.transpose() + Matrix3d(a.dot(b) * Matrix3d::Identity()));
+}
+
+/// Adds the blocks of all pairs of an element's nodes. block(i, j) returns the one of its nodes i and j.
+template <class Nodes, class Block>
+void addPairs(Triplets& triplets, const Nodes& nodes, const Block& block) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = 0; j < nodes.size(); ++j)
+      if (nodes[i] >= nodes[j]) addBlock(triplets, nodes[i], nodes[j], block(i, j));
+}
+
+/// Returns the integral of the product of two quadratic shape functions, for a volume of 420.
+double quadraticMass(std::size_t i, std::size_t j) {
+  if (i > j) std::swap(i, j);
+  if (j < 4) return i == j ? 6.0 : 1.0;
+  const auto& [c, d] = kEdgeCorners[j - 4];
+  if (i < 4) return i == c || i == d ? -4.0 : -6.0;
+  const auto& [a, b] = kEdgeCorners[i - 4];
+  const int shared = int(a == c) + int(a == d) + int(b == c) + int(b == d);
+  return shared == 2 ? 32.0 : shared == 1 ? 16.0 : 8.0;
+}
+
+std::array<Vector3d, 10> quadraticGradients(const TetrahedronFrame& frame, const Eigen::Vector4d& position) {
+  std::array<Vector3d, 10> gradients;
+  for (std::size_t i = 0; i < 4; ++i) gradients[i] = (4.0 * position[Index(i)] - 1.0) * frame.gradients[i];
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = kEdgeCorners[e];
+    gradients[4 + e] =
+        4.0 * (position[Index(a)] * frame.gradients[b] + position[Index(b)] * frame.gradients[a]);
+  }
+  return gradients;
+}
+
+/// Adds the stiffness of an element. Its integrand is of second degree, for which four points are exact.
+void addQuadraticStiffness(Triplets& triplets, const std::array<std::uint32_t, 10>& nodes,
+                           const TetrahedronFrame& frame) {
+  const double near = 0.25 + 0.75 / std::sqrt(5.0), far = (1.0 - near) / 3.0;
+  for (Index point = 0; point < 4; ++point) {
+    Eigen::Vector4d position = Eigen::Vector4d::Constant(far);
+    position[point] = near;
+    const std::array<Vector3d, 10> g = quadraticGradients(frame, position);
+    addPairs(triplets, nodes, [&](std::size_t i, std::size_t j) -> Matrix3d {
+      return 0.25 * frame.volume * stiffnessBlock(g[i], g[j]);
+    });
+  }
+}
+
+}  // namespace
+
+SolidMatrices linearElements(const TetrahedralMesh& mesh) {
+  Triplets stiffness, mass;
+  for (const Tetrahedron& t : mesh.tetrahedra) {
+    const TetrahedronFrame frame = frameOf(fourCorners(mesh.points, t));
+    addPairs(stiffness, t, [&](std::size_t i, std::size_t j) -> Matrix3d {
+      return frame.volume * stiffnessBlock(frame.gradients[i], frame.gradients[j]);
+    });
+    addPairs(mass, t, [&](std::size_t i, std::size_t j) -> Matrix3d {
+      return frame.volume * (i == j ? 0.1 : 0.05) * Matrix3d::Identity();
+    });
+  }
+  const auto points = static_cast<Index>(mesh.points.size());
+  return {sumOf(stiffness, points), sumOf(mass, points)};
+}
+
+QuadraticMesh withMiddles(const TetrahedralMesh& mesh) {
+  const std::vector<Edge> edges = uniqueEdges(mesh.tetrahedra);
+  QuadraticMesh quadratic{mesh.points, {}};
+  for (const Edge& e : edges) quadratic.nodes.push_back((mesh.points[e[0]] + mesh.points[e[1]]) / 2.0);
+  for (const Tetrahedron& t : mesh.tetrahedra) {
+    std::array<std::uint32_t, 10> nodes{t[0], t[1], t[2], t[3]};
+    for (std::size_t e = 0; e < 6; ++e) {
+      const Edge edge = edgeBetween(t[kEdgeCorners[e][0]], t[kEdgeCorners[e][1]]);
+      const auto index = std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin();
+      nodes[4 + e] = static_cast<std::uint32_t>(mesh.points.size() + std::size_t(index));
+    }
+    quadratic.tetrahedra.push_back(nodes);
+  }
+  return quadratic;
+}
+
+SolidMatrices quadraticElements(const QuadraticMesh& mesh) {
+  Triplets stiffness, mass;
+  for (const std::array<std::uint32_t, 10>& nodes : mesh.tetrahedra) {
+    const TetrahedronFrame frame = frameOf(fourCorners(mesh.nodes, nodes));
+    addQuadraticStiffness(stiffness, nodes, frame);
+    addPairs(mass, nodes, [&](std::size_t i, std::size_t j) -> Matrix3d {
+      return frame.volume / 420.0 * quadraticMass(i, j) * Matrix3d::Identity();
+    });
+  }
+  const auto points = static_cast<Index>(mesh.nodes.size());
+  return {sumOf(stiffness, points), sumOf(mass, points)};
+}
+
+// --- vibrations --------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Returns the rows of these nodes, 3 #nodes x #columns.
+MatrixXd rowsOf(const MatrixXd& matrix, const std::vector<std::uint32_t>& nodes) {
+  MatrixXd rows(3 * static_cast<Index>(nodes.size()), matrix.cols());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    rows.middleRows<3>(3 * static_cast<Index>(i)) = matrix.middleRows<3>(3 * nodes[i]);
+  return rows;
+}
+
+void subtractFromRows(MatrixXd& matrix, const std::vector<std::uint32_t>& nodes, const MatrixXd& rows) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    matrix.middleRows<3>(3 * nodes[i]) -= rows.middleRows<3>(3 * static_cast<Index>(i));
+}
+
+/// Returns the nodes of each piece, ascending. `elements` are the nodes of each tetrahedron.
+template <class Elements>
+std::vector<std::vector<std::uint32_t>> nodesOfPieces(const std::vector<Tetrahedron>& tetrahedra,
+                                                      const Elements& elements) {
+  const std::vector<std::uint32_t> piece = findPieces(tetrahedra);
+  std::vector<std::vector<std::uint32_t>> nodes;
+  for (std::size_t t = 0; t < elements.size(); ++t) {
+    if (piece[t] == nodes.size()) nodes.emplace_back();
+    nodes[piece[t]].insert(nodes[piece[t]].end(), elements[t].begin(), elements[t].end());
+  }
+  for (std::vector<std::uint32_t>& all : nodes) sortUnique(all);
+  return nodes;
+}
+
+/// Makes forces on the nodes of a tetrahedral mesh self-equilibrated, for each piece of the body.
+class ForceBalance {
+ public:
+  /// `elements`: the nodes of each tetrahedron. `mass`: the lower triangle, couples nodes of one piece only.
+  template <class Elements>
+  ForceBalance(const std::vector<Vector3d>& nodes, const std::vector<Tetrahedron>& tetrahedra,
+               const Elements& elements, const Eigen::SparseMatrix<double>& mass) {
+    MatrixXd motions = MatrixXd::Zero(3 * static_cast<Index>(nodes.size()), 6);
+    for (std::vector<std::uint32_t>& piece : nodesOfPieces(tetrahedra, elements)) {
+      const MatrixXd rigid = rigidMotions(chosen(nodes, piece));
+      for (std::size_t i = 0; i < piece.size(); ++i)
+        motions.block(3 * piece[i], 0, 3, rigid.cols()) = rigid.middleRows<3>(3 * static_cast<Index>(i));
+      pieces_.push_back({std::move(piece), rigid, {}});
+    }
+    const MatrixXd momenta = symmetricProduct(mass, motions);
+    for (Piece& piece : pieces_) piece.momenta = rowsOf(momenta, piece.nodes).leftCols(piece.motions.cols());
+  }
+
+  /// Subtracts the inertial forces of the rigid acceleration that the forces (3 #nodes x #loads) cause.
+  void balance(MatrixXd& forces) const {
+    for (const Piece& piece : pieces_) {
+      const MatrixXd inertia = transposedProduct(piece.motions, piece.momenta);
+      MatrixXd acceleration = transposedProduct(piece.motions, rowsOf(forces, piece.nodes));
+      solveSmall(inertia, acceleration);
+      subtractFromRows(forces, piece.nodes, product(piece.momenta, acceleration));
+    }
+  }
+
+ private:
+  struct Piece {
+    std::vector<std::uint32_t> nodes;
+    MatrixXd motions, momenta;  ///< 3 #nodes x 6: rigid motions, and the mass times these
+  };
+  std::vector<Piece> pieces_;
+};
+
+/// Vectors of the subspace beyond the modes that are wanted, which make those converge faster.
+constexpr Index kExtraVectors = 12;
+
+constexpr int kSubspaceIterations = 6;
+
+/// Combinations of displacements with less than this fraction of the largest modal mass are dropped.
+constexpr double kMinModalMass = 1e-10;
+
+/// Returns displacements of first to third degree, 3 #nodes x 54, without the rotations.
+MatrixXd smoothDisplacements(const std::vector<Vector3d>& nodes) {
+  const Eigen::Matrix3Xd offsets = principalSpread(nodes).offsets;
+  MatrixXd displacements = MatrixXd::Zero(3 * offsets.cols(), 54);
+  Index column = 0;
+  for (int a = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b, ++column)
+      for (Index i = 0; i < offsets.cols(); ++i) {
+        displacements(3 * i + a, column) += offsets(b, i);
+        displacements(3 * i + b, column) += offsets(a, i);
+      }
+  for (int degree = 2; degree <= 3; ++degree)
+    for (int x = 0; x <= degree; ++x)
+      for (int y = 0; x + y <= degree; ++y)
+        for (int axis = 0; axis < 3; ++axis, ++column)
+          for (Index i = 0; i < offsets.cols(); ++i)
+            displacements(3 * i + axis, column) = std::pow(offsets(0, i), x) * std::pow(offsets(1, i), y) *
+                                                  std::pow(offsets(2, i), degree - x - y);
+  return displacements;
+}
+
+/// Replaces the vectors by the modes within their span (Rayleigh, Ritz): M-orthonormal, slowest first.
+/// Returns the eigenvalues of the stiffness.
+Eigen::VectorXd takeModes(MatrixXd& vectors, const Eigen::SparseMatrix<double>& stiffness,
+                          const Eigen::SparseMatrix<double>& mass) {
+  vectors.colwise().normalize();
+  const SymmetricParts masses = symmetricParts(transposedProduct(vectors, symmetricProduct(mass, vectors)));
+  const double smallest = kMinModalMass * masses.values[masses.values.size() - 1];
+  const Index kept = (masses.values.array() > smallest).count();
+  const MatrixXd whitening =
+      masses.vectors.rightCols(kept) * masses.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  vectors = product(vectors, whitening);
+  SymmetricParts modes = symmetricParts(transposedProduct(vectors, symmetricProduct(stiffness, vectors)));
+  vectors = product(vectors, modes.vectors);
+  return modes.values;
+}
+
+/// Returns a small stiffness per mass, which makes the matrix regular: rigid motions have none.
+double shiftOf(const SolidMatrices& solid) {
+  return 1e-6 * solid.stiffness.diagonal().sum() / solid.mass.diagonal().sum();
+}
+
+}  // namespace
+
+SolidModes slowestModes(const TetrahedralMesh& mesh, Index count) {
+  SolidModes modes{withMiddles(mesh), {}, {}};
+  const SolidMatrices solid = quadraticElements(modes.mesh);
+  const ForceBalance balance(modes.mesh.nodes, mesh.tetrahedra, modes.mesh.tetrahedra, solid.mass);
+  const SparseFactor factor = factorise(solid.stiffness + shiftOf(solid) * solid.mass);
+  MatrixXd vectors = smoothDisplacements(modes.mesh.nodes);
+  for (int i = 0; i < kSubspaceIterations; ++i) {
+    MatrixXd forces = symmetricProduct(solid.mass, vectors);
+    balance.balance(forces);
+    vectors = solve(factor, forces);
+    modes.squaredFrequencies = takeModes(vectors, solid.stiffness, solid.mass);
+    vectors = vectors.leftCols(std::min(vectors.cols(), count + kExtraVectors)).eval();
+  }
+  const Index found = std::min(vectors.cols(), count);
+  modes.squaredFrequencies = modes.squaredFrequencies.head(found).eval();
+  modes.displacements = vectors.leftCols(found);
+  return modes;
+}
+
+namespace {
+
+/// Returns the values of the ten shape functions at a position with these barycentric coordinates.
+std::array<double, 10> quadraticShapes(const Eigen::Vector4d& barycentric) {
+  std::array<double, 10> shapes{};
+  for (std::size_t i = 0; i < 4; ++i) shapes[i] = barycentric[Index(i)] * (2.0 * barycentric[Index(i)] - 1.0);
+  for (std::size_t e = 0; e < 6; ++e)
+    shapes[4 + e] = 4.0 * barycentric[Index(kEdgeCorners[e][0])] * barycentric[Index(kEdgeCorners[e][1])];
+  return shapes;
+}
+
+/// An element: its first corner, and the gradients of the barycentric coordinates.
+struct Element {
+  Vector3d corner;
+  TetrahedronFrame frame;
+
+  Eigen::Vector4d barycentric(const Vector3d& position) const {
+    Eigen::Vector4d coordinates;
+    for (Index i = 0; i < 4; ++i)
+      coordinates[i] = (i == 0 ? 1.0 : 0.0) + frame.gradients[std::size_t(i)].dot(position - corner);
+    return coordinates;
+  }
+};
+
+/// Returns the element that contains the position, or the one with the largest smallest coordinate.
+std::size_t elementAt(const std::vector<Element>& elements, const Vector3d& position) {
+  std::size_t best = 0;
+  double largest = -HUGE_VAL;
+  for (std::size_t t = 0; t < elements.size() && largest < 0.0; ++t) {
+    const double smallest = elements[t].barycentric(position).minCoeff();
+    if (smallest > largest) largest = smallest, best = t;
+  }
+  return best;
+}
+
+}  // namespace
+
+MatrixXd displacementsAt(const SolidModes& modes, const std::vector<Vector3d>& positions) {
+  MatrixXd result = MatrixXd::Zero(3 * static_cast<Index>(positions.size()), modes.displacements.cols());
+  std::vector<Element> elements;
+  for (const auto& nodes : modes.mesh.tetrahedra)
+    elements.push_back({modes.mesh.nodes[nodes[0]], frameOf(fourCorners(modes.mesh.nodes, nodes))});
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const std::size_t t = elementAt(elements, positions[i]);
+    const std::array<double, 10> shapes = quadraticShapes(elements[t].barycentric(positions[i]));
+    for (std::size_t node = 0; node < 10; ++node)
+      result.middleRows<3>(3 * static_cast<Index>(i)) +=
+          shapes[node] * modes.displacements.middleRows<3>(3 * Index(modes.mesh.tetrahedra[t][node]));
+  }
+  return result;
+}
+
+// --- responses to loads ------------------------------------------------------------------------------------
+
+namespace {
 
 /// Weights of the groups. The uniform stresses have the largest one: they define modulus and isotropy.
 constexpr double kUniformWeight = 2.0, kLinearWeight = 1.0, kModeWeight = 1.0;
@@ -79,8 +401,8 @@ Eigen::VectorXd surfaceForces(const TetrahedralMesh& mesh, const LinearStress& s
                               const Vector3d& centre) {
   Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * static_cast<Index>(mesh.points.size()));
   for (const Triangle& t : mesh.surface) {
-    const Vector3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
-    const Vector3d area = (b - a).cross(c - a) / 2.0;
+    const auto [a, b, c] = cornersOf(mesh.points, t);
+    const Vector3d area = areaVector(a, b, c);
     const Matrix3d sum = stress.at(a - centre) + stress.at(b - centre) + stress.at(c - centre);
     for (const std::uint32_t corner : t)
       forces.segment<3>(3 * Index(corner)) += (sum + stress.at(mesh.points[corner] - centre)) * area / 12.0;
@@ -136,7 +458,7 @@ MatrixXd linearCompliance(const SolidMatrices& elements, const MatrixXd& loads) 
 MatrixXd inertialForces(const TetrahedralMesh& mesh, const SolidMatrices& elements, const SolidModes& modes) {
   const MatrixXd displacements = displacementsAt(modes, mesh.points);
   MatrixXd forces = symmetricProduct(elements.mass, displacements);
-  balanceOf(mesh, elements.mass).balance(forces);
+  ForceBalance(mesh.points, mesh.tetrahedra, mesh.tetrahedra, elements.mass).balance(forces);
   for (Index i = 0; i < forces.cols(); ++i)
     forces.col(i) *= std::sqrt(modes.squaredFrequencies[i]) / forces.col(i).dot(displacements.col(i));
   return forces;
@@ -145,10 +467,7 @@ MatrixXd inertialForces(const TetrahedralMesh& mesh, const SolidMatrices& elemen
 /// Returns the mesh itself, or one with fewer points of the same body.
 std::optional<TetrahedralMesh> meshForModes(const TetrahedralMesh& mesh) {
   if (mesh.points.size() <= kModePoints) return mesh;
-  TriangleMesh surface;
-  surface.positions = mesh.points;
-  surface.triangles = mesh.surface;
-  const Result<WeldedMesh> welded = weld(surface);
+  const Result<WeldedMesh> welded = weld(meshOf(mesh.points, mesh.surface));
   if (!welded) return {};
   const Result<TetrahedralMesh> coarse = fillWithPoints(*welded, kModePoints);
   return coarse ? std::optional(*coarse) : std::nullopt;

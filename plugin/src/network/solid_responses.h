@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Declares what is known of the elasticity of a solid body, its response to several loads, and the fit of
-// spring constants to it.
+// Declares finite elements of a homogeneous isotropic solid, its slowest free vibrations, its response to
+// several loads, and the fit of spring constants to that.
 #pragma once
 
 #include "network/tetrahedra.h"
@@ -8,11 +8,61 @@
 #include <limber/spring_network.h>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
 namespace limber {
+
+// --- elements ----------------------------------------------------------------------------------------------
+
+/// Shear modulus of a solid of Young's modulus 1 and Poisson's ratio 1/4. Its other constant of Lame is the
+/// same.
+constexpr double kShearModulus = 0.4;
+
+/// Stiffness and mass, the lower triangles, 3 #points x 3 #points.
+struct SolidMatrices {
+  Eigen::SparseMatrix<double> stiffness;  ///< m, for a Young's modulus of 1 Pa and a Poisson ratio of 1/4
+  Eigen::SparseMatrix<double> mass;       ///< m^3, for a density of 1 kg/m^3; consistent, not lumped
+};
+
+/// Linear elements. They are exact for uniform strains. They are too stiff in bending and torsion.
+SolidMatrices linearElements(const TetrahedralMesh& mesh);
+
+/// Tetrahedra with a node at each corner and in the middle of each edge. The order of a tetrahedron's nodes:
+/// corners 0 1 2 3, edges 01 02 03 12 13 23.
+struct QuadraticMesh {
+  std::vector<Eigen::Vector3d> nodes;  ///< m; the points of the mesh, then the middles of the edges
+  std::vector<std::array<std::uint32_t, 10>> tetrahedra;
+};
+QuadraticMesh withMiddles(const TetrahedralMesh& mesh);
+
+/// Quadratic elements (10 nodes, straight edges; O. C. Zienkiewicz, R. L. Taylor, "The Finite Element
+/// Method"). They are exact for displacements of second degree, such as pure bending.
+SolidMatrices quadraticElements(const QuadraticMesh& mesh);
+
+// --- vibrations --------------------------------------------------------------------------------------------
+
+/// Vibrations of a free homogeneous solid with a Young's modulus of 1 Pa, a Poisson ratio of 1/4 and a
+/// density of 1 kg/m^3, without the rigid motions. The slowest come first.
+struct SolidModes {
+  QuadraticMesh mesh;
+  Eigen::VectorXd squaredFrequencies;  ///< #modes, 1/s^2, of the angular frequencies
+  Eigen::MatrixXd displacements;       ///< 3 #nodes x #modes, of modal mass 1
+};
+
+/// Computes about `count` modes with quadratic elements by subspace iteration (K.-J. Bathe, "Finite Element
+/// Procedures", 11.6) from displacements of first to third degree. A small mesh has fewer modes. Takes 1 s
+/// for 400 points.
+SolidModes slowestModes(const TetrahedralMesh& mesh, Eigen::Index count);
+
+/// Returns the displacements of the modes, 3 #positions x #modes, at positions in the body or near it.
+Eigen::MatrixXd displacementsAt(const SolidModes& modes, const std::vector<Eigen::Vector3d>& positions);
+
+// --- responses to loads ------------------------------------------------------------------------------------
 
 /// Self-equilibrated loads on the points of a mesh, and the compliance of the solid under them. A network
 /// whose stiffness matrix is K should have  loads^T K^-1 loads = compliance.  The solid has a Young's modulus

@@ -4,8 +4,7 @@
 #include <limber/spring_network.h>
 
 #include "mesh/surface.h"
-
-#include <Eigen/Geometry>
+#include "network/tetrahedra.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,12 +70,6 @@ std::string checkSprings(const std::vector<NetworkSpring>& springs, std::size_t 
   return {};
 }
 
-/// Returns six times the volume.
-double spannedVolume(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& t) {
-  const Eigen::Vector3d b = points[t[1]] - points[t[0]], c = points[t[2]] - points[t[0]];
-  return b.dot(c.cross(points[t[3]] - points[t[0]]));
-}
-
 std::string checkCornersDiffer(const std::vector<Triangle>& triangles) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Triangle& t = triangles[i];
@@ -98,7 +91,7 @@ std::string checkNoTetrahedronTwice(std::vector<Tetrahedron> tetrahedra) {
 std::string checkTetrahedra(const std::vector<Tetrahedron>& tetrahedra,
                             const std::vector<Eigen::Vector3d>& points) {
   for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
-    if (!(spannedVolume(points, tetrahedra[i]) > 0.0))
+    if (!(volumeOf(points, tetrahedra[i]) > 0.0))
       return numbered("tetrahedron", i) + " has a volume that is not above 0";
   }
   return {};
@@ -228,8 +221,7 @@ std::string checkGroups(const SpringNetwork& network) {
 
 Result<SharedNetwork> withGroup(const SpringNetwork& network, const std::string& name,
                                 std::vector<std::uint32_t> points) {
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  sortUnique(points);
   const auto isMember = [&](std::uint32_t point) {
     return std::binary_search(points.begin(), points.end(), point);
   };

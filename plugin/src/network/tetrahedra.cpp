@@ -26,13 +26,14 @@ using Eigen::Vector3d;
 
 /// A closed surface that faces outward.
 struct SolidSurface {
+  std::vector<Vector3d> points;
   std::vector<Triangle> triangles;
-  std::vector<Eigen::Vector3d> centroids, normals;  ///< #triangles, m and unit vectors pointing outward
-  std::vector<std::uint32_t> pieceOfTriangle;       ///< #triangles; pieces share no point
-  std::size_t pieces = 0;
+  SurfaceComponents pieces;  ///< they share no point
   TriangleBvh bvh;
   Eigen::AlignedBox3d box;
   double volume = 0.0;  ///< m^3
+
+  Vector3d normal(std::size_t triangle) const { return areaVector(points, triangles[triangle]).normalized(); }
 };
 
 /// Returns the reason why the mesh has no inside, or an empty string.
@@ -48,18 +49,12 @@ std::string whyNotSolid(const MeshReport& report) {
 
 SolidSurface makeSolidSurface(const WeldedMesh& mesh) {
   const std::vector<Triangle> triangles = facingOutward(mesh.points, mesh.triangles);
-  SolidSurface s{triangles, {}, {}, {}, 0, TriangleBvh(mesh.points, triangles), {}, 0.0};
-  SurfaceComponents components = findComponents(mesh.points.size(), triangles);
-  s.pieces = components.count;
-  s.pieceOfTriangle = std::move(components.ofTriangle);
-  s.volume = signedVolume(mesh.points, triangles);
-  for (const Triangle& t : triangles) {
-    const Vector3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
-    s.centroids.emplace_back((a + b + c) / 3.0);
-    s.normals.push_back((b - a).cross(c - a).normalized());
-    s.box.extend(a).extend(b).extend(c);
-  }
-  return s;
+  return {mesh.points,
+          triangles,
+          findComponents(mesh.points.size(), triangles),
+          TriangleBvh(mesh.points, triangles),
+          boxOf(mesh.points),
+          signedVolume(mesh.points, triangles)};
 }
 
 /// The smallest and the largest angle (degrees) that fitSurface() may produce, unless they were worse before.
@@ -111,11 +106,11 @@ Vector3d intersectPlanes(const Fit& fit, std::uint32_t point, const SolidSurface
   double area = 0.0;
   for (const std::uint32_t i : fit.trianglesAt[point]) {
     const Triangle& t = fit.mesh.surface[i];
-    const double weight = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm();
+    const double weight = 2.0 * areaVector(points, t).norm();
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const Vector3d sample = (points[t[0]] + points[t[1]] + points[t[2]] + 3.0 * points[t[corner]]) / 6.0;
       const TriangleHit hit = surface.bvh.nearest(sample);
-      const Vector3d& normal = surface.normals[hit.triangle];
+      const Vector3d normal = surface.normal(hit.triangle);
       left += weight * normal * normal.transpose();
       right += weight * normal.dot(hit.position - position) * normal;
     }
@@ -194,12 +189,6 @@ double sitesNeeded(const Eigen::AlignedBox3d& box, double spacing) {
   return 2.0 * (box.sizes().array() / spacing + 6.0).prod();
 }
 
-TetrahedralMesh fillAndRepair(const SolidSurface& surface, double spacing) {
-  TetrahedralMesh mesh = fillLattice(placeLattice(surface.box, spacing), surface.bvh);
-  makeManifold(mesh, kCrumbFraction * surface.volume / static_cast<double>(surface.pieces));
-  return mesh;
-}
-
 /// Counts, for each part of the body, the points of its surface that are next to each piece of the given
 /// surface, #parts x #pieces.
 Eigen::MatrixXi countNearPoints(const TetrahedralMesh& mesh, const SolidSurface& surface) {
@@ -210,13 +199,9 @@ Eigen::MatrixXi countNearPoints(const TetrahedralMesh& mesh, const SolidSurface&
     parts = std::max(parts, partOfTetrahedron[t] + 1);
     for (const std::uint32_t point : mesh.tetrahedra[t]) partOfPoint[point] = partOfTetrahedron[t];
   }
-  Eigen::MatrixXi count = Eigen::MatrixXi::Zero(parts, static_cast<Eigen::Index>(surface.pieces));
-  std::vector<char> isOuter(mesh.points.size(), 0);
-  for (const Triangle& t : mesh.surface)
-    for (const std::uint32_t point : t) isOuter[point] = 1;
-  for (std::size_t i = 0; i < isOuter.size(); ++i)
-    if (isOuter[i])
-      ++count(partOfPoint[i], surface.pieceOfTriangle[surface.bvh.nearest(mesh.points[i]).triangle]);
+  Eigen::MatrixXi count = Eigen::MatrixXi::Zero(parts, static_cast<Eigen::Index>(surface.pieces.count));
+  for (const std::uint32_t i : usedPoints(mesh.points.size(), mesh.surface))
+    ++count(partOfPoint[i], surface.pieces.ofTriangle[surface.bvh.nearest(mesh.points[i]).triangle]);
   return count;
 }
 
@@ -224,8 +209,8 @@ Eigen::MatrixXi countNearPoints(const TetrahedralMesh& mesh, const SolidSurface&
 bool isBuried(const SolidSurface& surface, std::uint32_t piece) {
   const double step = 1e-4 * surface.box.diagonal().norm();
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    if (surface.pieceOfTriangle[t] == piece &&
-        !surface.bvh.inside(surface.centroids[t] + step * surface.normals[t]))
+    if (surface.pieces.ofTriangle[t] == piece &&
+        !surface.bvh.inside(centroid(surface.points, surface.triangles[t]) + step * surface.normal(t)))
       return false;
   return true;
 }
@@ -234,10 +219,10 @@ bool isBuried(const SolidSurface& surface, std::uint32_t piece) {
 std::string findLoss(const TetrahedralMesh& mesh, const SolidSurface& surface) {
   if (mesh.tetrahedra.empty()) return "the whole mesh is missed";
   const Eigen::MatrixXi count = countNearPoints(mesh, surface);
-  for (std::uint32_t piece = 0; piece < surface.pieces; ++piece)
+  for (std::uint32_t piece = 0; piece < surface.pieces.count; ++piece)
     if (count.col(piece).maxCoeff() == 0 && !isBuried(surface, piece))
       return "piece " + std::to_string(piece) + " of the mesh is missed";
-  std::vector<Eigen::Index> mainPart(surface.pieces, -1);
+  std::vector<Eigen::Index> mainPart(surface.pieces.count, -1);
   for (Eigen::Index part = 0; part < count.rows(); ++part) {
     Eigen::Index piece = 0;
     count.row(part).maxCoeff(&piece);
@@ -259,11 +244,11 @@ struct Trial {
 
 Trial fillAt(const SolidSurface& surface, double spacing, double points) {
   Trial trial;
-  trial.mesh = fillAndRepair(surface, spacing);
+  trial.mesh = fillLattice(placeLattice(surface.box, spacing), surface.bvh);
+  makeManifold(trial.mesh, kCrumbFraction * surface.volume / static_cast<double>(surface.pieces.count));
   trial.spacing = spacing;
   trial.loss = findLoss(trial.mesh, surface);
-  double volume = 0.0;
-  for (const Tetrahedron& t : trial.mesh.tetrahedra) volume += volumeOf(trial.mesh.points, t);
+  const double volume = volumeOf(trial.mesh.points, trial.mesh.tetrahedra);
   trial.logRatio = std::log(static_cast<double>(std::max<std::size_t>(1, trial.mesh.points.size())) / points);
   const double deviation = std::abs(trial.logRatio), excess = std::max(0.0, deviation - kLargeDeviation);
   trial.penalty = deviation + kVolumeWeight * (excess + std::abs(std::log(volume / surface.volume)));

@@ -26,8 +26,12 @@ FaceNeighbours findFaceNeighbours(const std::vector<Tetrahedron>& tetrahedra);
 /// Returns the faces that belong to only one tetrahedron, oriented outward, in the order of the tetrahedra.
 std::vector<Triangle> surfaceOf(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours);
 
-/// Returns the volume (m^3), positive for positive orientation.
+/// Returns the edges, sorted, each once.
+std::vector<Edge> uniqueEdges(const std::vector<Tetrahedron>& tetrahedra);
+
+/// Returns the volume (m^3), positive for positive orientation; the sum of those of several.
 double volumeOf(const std::vector<Eigen::Vector3d>& points, const Tetrahedron& tetrahedron);
+double volumeOf(const std::vector<Eigen::Vector3d>& points, const std::vector<Tetrahedron>& tetrahedra);
 
 /// The smallest and the largest angle between two faces, radians.
 struct DihedralAngles {

@@ -33,16 +33,6 @@ Triangle faceOf(const Tetrahedron& t, std::size_t corner) {
   }
 }
 
-/// Returns the outward normal of a face, twice its area long.
-Vector3d faceNormal(const std::vector<Vector3d>& points, const Tetrahedron& t, std::size_t corner) {
-  const Triangle f = faceOf(t, corner);
-  return (points[f[1]] - points[f[0]]).cross(points[f[2]] - points[f[0]]);
-}
-
-}  // namespace
-
-namespace {
-
 /// A face by its corners in ascending order, and 4 x its tetrahedron + the opposite corner.
 using Face = std::pair<Triangle, std::uint32_t>;
 
@@ -92,14 +82,29 @@ std::vector<Triangle> surfaceOf(const std::vector<Tetrahedron>& tetrahedra,
   return surface;
 }
 
+std::vector<Edge> uniqueEdges(const std::vector<Tetrahedron>& tetrahedra) {
+  std::vector<Edge> edges;
+  for (const Tetrahedron& t : tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j) edges.push_back(edgeBetween(t[i], t[j]));
+  sortUnique(edges);
+  return edges;
+}
+
 double volumeOf(const std::vector<Vector3d>& points, const Tetrahedron& t) {
   const Vector3d& a = points[t[0]];
   return (points[t[1]] - a).dot((points[t[2]] - a).cross(points[t[3]] - a)) / 6.0;
 }
 
+double volumeOf(const std::vector<Vector3d>& points, const std::vector<Tetrahedron>& tetrahedra) {
+  double volume = 0.0;
+  for (const Tetrahedron& t : tetrahedra) volume += volumeOf(points, t);
+  return volume;
+}
+
 DihedralAngles dihedralAngles(const std::vector<Vector3d>& points, const Tetrahedron& t) {
   std::array<Vector3d, 4> normals;
-  for (std::size_t i = 0; i < 4; ++i) normals[i] = faceNormal(points, t, i).normalized();
+  for (std::size_t i = 0; i < 4; ++i) normals[i] = areaVector(points, faceOf(t, i)).normalized();
   DihedralAngles angles{3.2, 0.0};
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = i + 1; j < 4; ++j) {
@@ -122,38 +127,26 @@ bool hasPoint(const Tetrahedron& t, std::uint32_t point) {
 /// for each one the first member of its group, as an index into `subset`.
 Indices groupAround(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours,
                     const Indices& subset, const Indices& hub) {
-  Indices group(subset.size(), kOutside), pending;
-  for (std::uint32_t first = 0; first < subset.size(); ++first) {
-    if (group[first] != kOutside) continue;
-    group[first] = first;
-    pending.push_back(first);
-    while (!pending.empty()) {
-      const std::uint32_t t = subset[pending.back()];
-      pending.pop_back();
-      for (std::size_t corner = 0; corner < 4; ++corner) {
-        const std::uint32_t other = neighbours[t][corner];
-        const bool containsHub = std::find(hub.begin(), hub.end(), tetrahedra[t][corner]) == hub.end();
-        const auto found = std::lower_bound(subset.begin(), subset.end(), other);
-        if (!containsHub || found == subset.end() || *found != other) continue;
-        const auto index = static_cast<std::uint32_t>(found - subset.begin());
-        if (group[index] != kOutside) continue;
-        group[index] = first;
-        pending.push_back(index);
-      }
+  DisjointSets groups(subset.size());
+  for (std::uint32_t i = 0; i < subset.size(); ++i)
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const std::uint32_t t = subset[i], other = neighbours[t][corner];
+      const bool containsHub = std::find(hub.begin(), hub.end(), tetrahedra[t][corner]) == hub.end();
+      const auto found = std::lower_bound(subset.begin(), subset.end(), other);
+      if (containsHub && found != subset.end() && *found == other)
+        groups.join(i, static_cast<std::uint32_t>(found - subset.begin()));
     }
-  }
-  return group;
+  Indices firsts;
+  for (std::uint32_t i = 0; i < subset.size(); ++i) firsts.push_back(groups.root(i));
+  return firsts;
 }
 
 /// Returns the edges of more than two triangles of the surface.
 std::vector<Edge> nonManifoldEdges(const std::vector<Triangle>& surface) {
-  std::vector<Edge> edges, nonManifold;
-  for (const Triangle& t : surface)
-    for (std::size_t i = 0; i < 3; ++i) edges.push_back(edgeBetween(t[i], t[(i + 1) % 3]));
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 2; i < edges.size(); ++i)
-    if (edges[i] == edges[i - 2] && (nonManifold.empty() || nonManifold.back() != edges[i]))
-      nonManifold.push_back(edges[i]);
+  std::vector<Edge> nonManifold;
+  forEachEdge(surface, [&](const Side* sides, std::size_t uses) {
+    if (uses > 2) nonManifold.push_back(sides->edge);
+  });
   return nonManifold;
 }
 
@@ -220,40 +213,23 @@ void removeSmallPieces(TetrahedralMesh& mesh, double minVolume) {
 }
 
 void dropUnusedPoints(TetrahedralMesh& mesh) {
-  Indices newIndex(mesh.points.size(), kOutside);
-  for (const Tetrahedron& t : mesh.tetrahedra)
-    for (const std::uint32_t point : t) newIndex[point] = 0;
-  std::uint32_t kept = 0;
-  for (std::uint32_t point = 0; point < newIndex.size(); ++point) {
-    if (newIndex[point] == kOutside) continue;
-    mesh.points[kept] = mesh.points[point];
-    newIndex[point] = kept++;
-  }
-  mesh.points.resize(kept);
-  for (Tetrahedron& t : mesh.tetrahedra)
-    for (std::uint32_t& point : t) point = newIndex[point];
+  Renumbering numbers(mesh.points.size());
+  for (const std::uint32_t point : usedPoints(mesh.points.size(), mesh.tetrahedra)) numbers(point);
+  mesh.points = chosen(mesh.points, numbers.kept());
+  for (Tetrahedron& t : mesh.tetrahedra) t = numbers(t);
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> findPieces(const std::vector<Tetrahedron>& tetrahedra) {
   const FaceNeighbours neighbours = findFaceNeighbours(tetrahedra);
-  Indices piece(tetrahedra.size(), kOutside), pending;
-  std::uint32_t pieces = 0;
-  for (std::uint32_t first = 0; first < piece.size(); ++first) {
-    if (piece[first] != kOutside) continue;
-    piece[first] = pieces;
-    for (pending.push_back(first); !pending.empty();) {
-      const std::uint32_t t = pending.back();
-      pending.pop_back();
-      for (const std::uint32_t other : neighbours[t])
-        if (other != kOutside && piece[other] == kOutside) {
-          piece[other] = pieces;
-          pending.push_back(other);
-        }
-    }
-    ++pieces;
-  }
+  DisjointSets sets(tetrahedra.size());
+  for (std::uint32_t t = 0; t < tetrahedra.size(); ++t)
+    for (const std::uint32_t other : neighbours[t])
+      if (other != kOutside) sets.join(t, other);
+  Renumbering numbers(tetrahedra.size());
+  Indices piece;
+  for (std::uint32_t t = 0; t < tetrahedra.size(); ++t) piece.push_back(numbers(sets.root(t)));
   return piece;
 }
 
