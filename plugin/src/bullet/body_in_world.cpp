@@ -381,17 +381,5 @@ bool movesTooFast(SoftBodyData& body, btScalar tick) {
   return isSurfaceBody(body) ? anySurfacePointMoves(body, tick) : anyPointMoves(body, tick);
 }
 
-void gatherBody(SoftBodyData& body, btScalar tick) {
-  (isSurfaceBody(body) ? gatherSurface : gatherWorldPoints)(body, tick);
-}
-
-void writeBodyToBullet(SoftBodyData& body, btScalar tick) {
-  (isSurfaceBody(body) ? writeBoxToBullet : writeVelocitiesToBullet)(body, tick);
-}
-
-void finishBody(SoftBodyData& body, btScalar tick) {
-  (isSurfaceBody(body) ? finishSurface : finishWorldPoints)(body, tick);
-}
-
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

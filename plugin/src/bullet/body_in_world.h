@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares how a body is made, added to the world and removed from it, and the stages of its
-// tick. Each function handles both Collision::Points and Collision::Surface.
+// This header declares how a body is made, changed, divided and saved, added to the world and removed from it,
+// put to sleep and woken. Each function handles both Collision::Points and Collision::Surface.
 
 #pragma once
 
@@ -9,13 +9,13 @@
 #include "collide/surface.h"
 
 #include <limber/result.h>
-#include <limber/soft_body_settings.h>
-#include <limber/spring_network.h>
 
 #include <map>
 #include <memory>
 #include <utility>
 #include <vector>
+
+class btSerializer;
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -113,10 +113,35 @@ void putToSleep(SoftBodyData& body);
 /// Returns whether the body moves too fast to sleep, see anyPointMoves().
 bool movesTooFast(SoftBodyData& body, btScalar tick);
 
-// The stages of a tick.
-void gatherBody(SoftBodyData& body, btScalar tick);
-void writeBodyToBullet(SoftBodyData& body, btScalar tick);
-void finishBody(SoftBodyData& body, btScalar tick);
+// --- tears and cuts ----------------------------------------------------------------------------------------
+
+// Both give the body a network of its own, between ticks.
+
+/// Returns whether the body tears where its springs are too long.
+bool mayTear(const SoftBodyData& body);
+
+/// Divides points at which springs are longer than ElasticLimit::breakStrain allows, see ElasticLimit::tear.
+/// At the start of a tick, before bodies are read.
+void tearBody(SoftBodyData& body);
+
+/// Makes the cuts that were asked for within the last tick.
+void makePendingCuts(SoftBodyData& body);
+
+// --- saved states ------------------------------------------------------------------------------------------
+
+// SoftBody::saveState() says what they contain.
+
+std::vector<std::uint8_t> saveStateOf(SoftBodyData& body);
+Result<void> restoreStateOf(SoftBodyData& body, const std::vector<std::uint8_t>& bytes);
+
+/// Returns the settings in a saved state. Errors: bytes that are no such state.
+Result<SoftBodySettings> settingsIn(const std::vector<std::uint8_t>& bytes);
+
+/// Returns the errors of restoreStateOf(), without changing anything.
+Result<void> checkStateFor(SoftBodyData& body, const std::vector<std::uint8_t>& bytes);
+
+/// Writes a chunk that has the body's network, settings and state to one of Bullet's files.
+void writeChunk(SoftBodyData& body, btSerializer& serializer);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

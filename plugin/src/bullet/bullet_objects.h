@@ -38,6 +38,10 @@ inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }
 
+inline btQuaternion toBullet(const Eigen::Quaterniond& q) {
+  return btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w()));
+}
+
 inline bool isFinite(const btVector3& v) { return toEigen(v).allFinite(); }
 
 // --- the plugin's own bodies -------------------------------------------------------------------------------
@@ -94,6 +98,13 @@ inline bool isStaticOrKinematic(const btCollisionObject& object) {
 inline bool isFree(const btRigidBody& body) {
   return !isStaticOrKinematic(body) && body.isActive() && body.getActivationState() != DISABLE_SIMULATION &&
          body.getWorldArrayIndex() >= 0;
+}
+
+/// Wakes a dynamic body within a step. The world has already applied gravity to the bodies that were awake at
+/// its start.
+inline void wakeInStep(btRigidBody& body) {
+  body.activate(true);
+  body.applyGravity();
 }
 
 /// Returns a bound (m/s) of the speed that the rotation of a body adds to points of its shape.

@@ -2,12 +2,8 @@
 
 // This file shows contacts to the user's filter and applies its answers.
 
-#include "bullet/contact_filter.h"
-
-#include "bullet/bullet_objects.h"
-#include "bullet/point_masses.h"
+#include "bullet/contact_report.h"
 #include "bullet/rigid_shapes.h"
-#include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "mesh/surface.h"
 
@@ -69,13 +65,6 @@ void findTriangle(const btCollisionShape& shape, const btTransform& pose, const 
 
 // --- questions ---------------------------------------------------------------------------------------------
 
-ContactSide sideOfPoint(const ContactPoint& p) {
-  ContactSide side;
-  for (std::uint32_t i = 0; i < 3; ++i) side.points[i] = p.point[std::min(i, p.count - 1)];
-  for (std::uint32_t i = 0; i < p.count; ++i) side.weights[i] = p.weight[i];
-  return side;
-}
-
 /// Asks the filters of both sides, once if they are the same. Makes numbers of the answer valid.
 void ask(const SoftBodyData& body, const SoftBodyData* other, ContactCandidate& c) {
   c.body = body.handle;
@@ -136,10 +125,8 @@ bool filterPlane(const SoftBodyData& body, PlaneContact& row, const btCollisionO
     normal = nearest.normal;
     gap = nearest.height - radiusOf(body);
   }
-  ContactPoint point;
-  point.point[0] = row.point;
   answer.other = partner;
-  answer.side = sideOfPoint(point);
+  answer.side = pointSide(row.point);
   answer.position = toBullet(x - radiusOf(body) * normal);
   answer.normal = toBullet(normal);
   answer.distance = gap;
@@ -181,9 +168,7 @@ void addSensed(SoftBodyData& body, const PlaneContact& row, const btCollisionObj
   static_cast<ContactBase&>(c) = row;
   c.normal = toEigen(answer.normal);
   c.gap = answer.distance;
-  c.a.kind = ContactPoint::Kind::Soft;
-  c.a.body = body.index;
-  c.a.point[0] = row.point;
+  c.a = softPoint(body.index, row.point);
   c.b.velocity = row.surfaceVelocity;
   ContactSource source;
   source.body = &body;
@@ -194,22 +179,15 @@ void addSensed(SoftBodyData& body, const PlaneContact& row, const btCollisionObj
 
 // --- contacts of moving bodies -----------------------------------------------------------------------------
 
-/// Returns the position (m) of a soft side among `positions`.
-Vector3d placeOf(const Points& positions, const ContactPoint& p) {
-  Vector3d x = Vector3d::Zero();
-  for (std::uint32_t i = 0; i < p.count; ++i) x += p.weight[i] * positions.col(p.point[i]);
-  return x;
-}
-
 double validMassFactor(double factor) { return factor > 0.0 ? std::clamp(factor, 1e-6, 1e6) : 1.0; }
 
 ContactResponse filterPair(Contact& contact, const ContactSource& source, const Points& positions) {
   const SoftBodyData& body = *source.body;
   ContactCandidate answer;
   answer.other = source.partner.object;
-  answer.side = sideOfPoint(contact.a);
-  if (source.other) answer.otherSide = sideOfPoint(contact.b);
-  answer.position = toBullet(placeOf(positions, contact.a) - radiusOf(body) * contact.normal);
+  answer.side = sideOf(contact.a);
+  if (source.other) answer.otherSide = sideOf(contact.b);
+  answer.position = toBullet(positionOf(contact.a, positions) - radiusOf(body) * contact.normal);
   answer.normal = toBullet(contact.normal);
   answer.distance = contact.gap;
   answer.friction = contact.friction;

@@ -233,9 +233,7 @@ void markCoupledPoints(Island& island) {
 
 Contact contactOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t bodyIndex) {
   Contact c;
-  c.a.kind = ContactPoint::Kind::Soft;
-  c.a.body = bodyIndex;
-  c.a.point[0] = row.point;
+  c.a = softPoint(bodyIndex, row.point);
   c.b.velocity = row.surfaceVelocity, c.b.acceleration = row.surfaceAcceleration;
   static_cast<ContactBase&>(c) = row;
   c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);

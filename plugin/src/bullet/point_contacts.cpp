@@ -6,11 +6,10 @@
 
 #include "bullet/point_contacts.h"
 #include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
+#include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
-#include "bullet/sensors.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 

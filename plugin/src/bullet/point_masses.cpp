@@ -5,9 +5,7 @@
 
 #include "bullet/point_masses.h"
 
-#include "bullet/bullet_objects.h"
-#include "bullet/saved_state.h"
-#include "bullet/soft_body_data.h"
+#include "bullet/body_in_world.h"
 #include "solver/springs.h"
 
 #include <cmath>

@@ -3,12 +3,8 @@
 // This file makes the contacts of a point with rigid objects. On static and kinematic objects they are planes
 // where the object is flat or moves; elsewhere they follow its surface within the tick.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
-#include "bullet/rigid_shapes.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/surface.h"
 #include "solver/point_state.h"
@@ -132,14 +128,10 @@ struct PlaneRows {
     push(row);
   }
 
-  /// Adds the surface below the point if it is near. `height` (m): that of the point's centre.
-  void addBelow(const Vector3d& normal, double height) {
-    if (height - radius() <= searchDistance) add(normal, toBullet(position() - height * normal));
-  }
-
-  void addIfNear(const HeldPoint& nearest) {
-    if (nearest.height - radius() <= searchDistance)
-      add(nearest.normal, toBullet(position() - nearest.height * nearest.normal));
+  /// Adds the surface below the point's centre if it is near.
+  void addBelow(const HeldPoint& below) {
+    if (below.height - radius() <= searchDistance)
+      add(below.normal, toBullet(position() - below.height * below.normal));
   }
 
   /// Adds a contact whose plane follows the pieces of `owner` in `around` within the step. `contact` is its
@@ -161,13 +153,9 @@ struct PlaneRows {
   }
 
   PlaneContact makeRow() const {
-    const btRigidBody& own = materialOf(body, point);
     PlaneContact row;
     row.point = point;
-    row.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
-    row.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
-    row.bounceThreshold = body.speeds.bounce;
-    row.recoverySpeed = body.speeds.recovery;
+    setMaterial(row, materialOf(body, point), partner, body.speeds);
     return row;
   }
 
@@ -326,10 +314,8 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
   const HeldPiece *first = range.first(body), *end = range.last(body);
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
     PlaneRows rows{body, i, *body.partners[partner], searchRegion.distance, tick};
-    for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
-      const HeldPoint nearest = nearestOnFlat(first, end, x, next);
-      rows.addBelow(nearest.normal, nearest.height);
-    }
+    for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next)
+      rows.addBelow(nearestOnFlat(first, end, x, next));
   }
 }
 
@@ -403,7 +389,7 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
     const HeldPartner& held = body.heldPartners[p];
     if (isPushedOut(body, held, i) && !(mayBeExcluded(body) && !canHit(body, i, *body.partners[p])))
       PlaneRows{body, i, *body.partners[p], searchRegion.distance, tick}.addBelow(
-          held.out, held.out.dot(body.state.position.col(i)) - held.end);
+          {held.out, held.out.dot(body.state.position.col(i)) - held.end, true});
   }
   const std::size_t before = body.held.pieces.size();
   const PieceRange range = findPieces(body, i, {searchRegion.low, searchRegion.high});
@@ -433,7 +419,7 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const bool surfaceBody = isSurfaceBody(body);
   const bool isPlane = shape.getShapeType() == STATIC_PLANE_PROXYTYPE;
   if (const std::optional<HeldPiece> solid = isPlane || surfaceBody ? solidOf(shape, pose) : std::nullopt)
-    return rows.addIfNear(nearestOn(&*solid, &*solid + 1, rows.position()));
+    return rows.addBelow(nearestOn(&*solid, &*solid + 1, rows.position()));
   if (surfaceBody && body.surface.contacts.empty()) body.surface.contacts.resize(pointCount(body));
   const bool isSlow = distance <= kSlowSearchDistance * rows.radius();
   if (!isSlow || !(surfaceBody ? addStoredRow(rows, body.surface.contacts[i], partner, stamp)
@@ -454,18 +440,12 @@ double displacementInTick(const btRigidBody& partner, double tick) {
 /// Adds a contact of point i. Of contacts in the same direction, from `first` on, only the nearest counts.
 void addPair(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, const Vector3d& normal,
              const Vector3d& surface, std::size_t first, TickContacts& found) {
-  const btRigidBody& own = materialOf(body, i);
   Contact c;
-  c.a.kind = ContactPoint::Kind::Soft;
-  c.a.body = body.index;
-  c.a.point[0] = i;
+  c.a = softPoint(body.index, i);
   c.b = rigidContactPoint(found, partner, toBullet(surface));
   c.normal = normal;
   c.gap = normal.dot(body.state.position.col(i) - surface) - radiusOf(body);
-  c.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
-  c.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
-  c.bounceThreshold = body.speeds.bounce;
-  c.recoverySpeed = body.speeds.recovery;
+  setMaterial(c, materialOf(body, i), partner, body.speeds);
   for (std::size_t k = first; k < found.contacts.size(); ++k)
     if (found.contacts[k].normal.dot(normal) > kSameSurface) {
       if (c.gap < found.contacts[k].gap) found.contacts[k] = c;
@@ -497,17 +477,10 @@ void addPairs(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, d
       });
 }
 
-void wake(btRigidBody& partner) {
-  if (partner.isActive() || partner.getActivationState() == DISABLE_SIMULATION) return;
-  partner.activate(true);
-  // the world has already applied gravity to the bodies that were awake at the start of the step
-  partner.applyGravity();
-}
-
 }  // namespace
 
 void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found) {
-  wake(partner);
+  if (!partner.isActive() && partner.getActivationState() != DISABLE_SIMULATION) wakeInStep(partner);
   for (std::uint32_t i = 0; i < pointCount(body); ++i) addPairs(body, i, partner, double(tick), found);
 }
 

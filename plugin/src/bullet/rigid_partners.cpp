@@ -3,9 +3,8 @@
 // This file gathers rigid bodies for the step and writes the result so that Bullet's solver moves them as
 // the step did.
 
-#include "bullet/rigid_partners.h"
-
 #include "bullet/kinematic_motion.h"
+#include "bullet/tick_contacts.h"
 #include "mesh/surface.h"
 
 #include <cmath>
@@ -163,7 +162,7 @@ void completeMotion(RigidPartner& partner, btScalar tick) {
   btTransform pose = partner.body->getWorldTransform();
   pose.setOrigin(pose.getOrigin() - tick * toBullet(partner.velocityOffset));
   const Eigen::Quaterniond q = rotationBy(turn) * partner.start.rotation;
-  pose.setRotation(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())));
+  pose.setRotation(toBullet(q));
   partner.body->setCenterOfMassTransform(pose);
 }
 

@@ -3,10 +3,7 @@
 // This file saves the state of a body as bytes, and restores it. A state is one list of numbers, which
 // transferState() declares for the writer and the reader.
 
-#include "bullet/saved_state.h"
-
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_masses.h"

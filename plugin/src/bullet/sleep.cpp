@@ -60,12 +60,8 @@ bool isChanged(const LinkedGroup& group) {
 
 void wakeGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) wakeBody(*body, true);
-  for (RigidPartner& partner : group.rigids) {
-    btRigidBody& rigid = *partner.body;
-    if (rigid.isActive() || rigid.isStaticOrKinematicObject()) continue;
-    rigid.activate(true);
-    rigid.applyGravity();
-  }
+  for (RigidPartner& partner : group.rigids)
+    if (!partner.body->isActive() && !partner.body->isStaticOrKinematicObject()) wakeInStep(*partner.body);
   group.asleep = false;
   group.calmTime = 0.0;
 }

@@ -8,7 +8,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/saved_state.h"
 #include "bullet/soft_body_data.h"
 
 #include <cmath>

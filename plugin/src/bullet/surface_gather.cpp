@@ -6,7 +6,7 @@
 #include "bullet/surface_gather.h"
 
 #include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
+#include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
@@ -127,16 +127,12 @@ namespace {
 
 /// Makes a contact without the point on side b.
 Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
-  const SurfaceObject* own = m.body->surface.object;
   Contact pair;
   pair.a = softContactPoint(*m.body, c.a);
   pair.normal = c.normal;
   pair.gap = c.gap;
   pair.separates = c.separates;
-  pair.friction = double(gCalculateCombinedFrictionCallback(own, &partnerOf(m)));
-  pair.restitution = restitutionOf(m);
-  pair.bounceThreshold = m.body->speeds.bounce;
-  pair.recoverySpeed = m.body->speeds.recovery;
+  setMaterial(pair, *m.body->surface.object, partnerOf(m), m.body->speeds);
   // the smaller one of the two; a body that has slept from the start has none
   if (m.other && m.other->speeds.recovery > 0.0)
     pair.recoverySpeed = std::min(pair.recoverySpeed, m.other->speeds.recovery);

@@ -6,22 +6,14 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
-#include "bullet/hidden.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/lone_groups.h"
-#include "bullet/parallel.h"
-#include "bullet/surface_gather.h"
-#include "bullet/tick_contacts.h"
+#include "bullet/linked_group.h"
 #include "bullet/tick_hook.h"
 
-#include <limber/contact_filter.h>
 #include <limber/soft_body_system.h>
 
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <string>
-#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

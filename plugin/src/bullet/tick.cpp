@@ -3,15 +3,8 @@
 // This file runs the stages of a tick in order, before and after Bullet's own part of it: first the stages
 // that all systems of a world share, then those of each system.
 
-#include "bullet/body_in_world.h"
-#include "bullet/contact_filter.h"
-#include "bullet/kinematic_motion.h"
-#include "bullet/lone_groups.h"
 #include "bullet/point_contacts.h"
-#include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
-#include "bullet/tearing.h"
-#include "bullet/tick_contacts.h"
 
 #include <limber/grab.h>
 

@@ -6,7 +6,6 @@
 
 #include "bullet/tick_contacts.h"
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 #include "bullet/point_masses.h"
@@ -14,7 +13,6 @@
 #include "bullet/surface_body.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -75,6 +73,20 @@ ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& 
     found.velocity = velocityOf(object, position, contacts.tick);
   }
   return found;
+}
+
+Eigen::Vector3d positionOf(const ContactPoint& point, const Points& positions) {
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  for (std::uint32_t i = 0; i < point.count; ++i) x += point.weight[i] * positions.col(point.point[i]);
+  return x;
+}
+
+void setMaterial(ContactBase& contact, const btCollisionObject& a, const btCollisionObject& b,
+                 const ContactSpeeds& speeds) {
+  contact.friction = double(gCalculateCombinedFrictionCallback(&a, &b));
+  contact.restitution = double(gCalculateCombinedRestitutionCallback(&a, &b));
+  contact.bounceThreshold = speeds.bounce;
+  contact.recoverySpeed = speeds.recovery;
 }
 
 // --- impulses of the last tick -----------------------------------------------------------------------------

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 
 // This header declares the contacts of a tick in which more than one body moves, and the rigid bodies in
-// them: their own contacts and joints, and the links of multibodies. "Held" means static or kinematic.
+// them: how the step moves them, their own contacts and joints, and the links of multibodies. "Held" means
+// static or kinematic.
 
 #pragma once
 
 #include "bullet/bullet_objects.h"
-#include "bullet/rigid_partners.h"
 #include "solver/contacts.h"
 #include "solver/links.h"
 
@@ -28,6 +28,46 @@ struct ContactSpeeds;
 struct MovingObjects;
 struct SoftBodyData;
 struct StoredImpulse;
+
+// --- rigid bodies that the step moves ----------------------------------------------------------------------
+
+// Between read and write of a tick the step moves the rigid bodies that soft bodies touch or that are attached
+// to them, not Bullet.
+
+/// A rigid body of the user in a link or contact with soft bodies. It is stepped in the substeps. Like a
+/// point mass, it then gets its mean velocity in the tick.
+struct RigidPartner {
+  btRigidBody* body = nullptr;
+  bool held = false;     ///< static, kinematic or out of the simulation
+  ObjectHandle handle;   ///< of the body
+  bool isNew = true;     ///< not yet in a tick
+  btTransform lastPose;  ///< at the end of the last tick
+  RigidState start;      ///< at the start of the tick
+  Eigen::Vector3d velocityOffset = Eigen::Vector3d::Zero(),
+                  spinOffset = Eigen::Vector3d::Zero();  ///< m/s and rad/s, added to what Bullet gets: see
+                                                         ///< offerToJoints()
+  btVector3 expectedVelocity;                            ///< after the tick if nothing else acts
+  btVector3 expectedAngularVelocity;
+  Eigen::Vector3d turn;  ///< radians, of the tick if nothing else acts
+};
+
+/// The body must be in the world.
+RigidPartner makePartner(btRigidBody& body);
+
+/// Fills `state` from Bullet's body.
+void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
+
+/// Makes a held body, while kinematic ones are Rewound, start where it was placed instead of at its last
+/// pose.
+void startFromPlace(RigidPartner& partner, RigidState& state, btScalar tick);
+
+/// Returns the mean velocities (m/s, rad/s) of a body in the tick, at its place at the start.
+RigidState meanMotion(const RigidState& start, const RigidState& end, double tick);
+
+/// Like writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on the
+/// written velocity, where it is compensated, and on the velocity at the end.
+void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
+void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
 
 // --- the contacts of a tick --------------------------------------------------------------------------------
 
@@ -104,6 +144,22 @@ inline Eigen::Vector3d fallOf(const btRigidBody& body, double tick) {
 /// else of kind World.
 ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& object,
                                const btVector3& position);
+
+/// Returns the contact point at a point mass. `body`: see TickContacts.
+inline ContactPoint softPoint(std::uint32_t body, std::uint32_t point) {
+  ContactPoint p;
+  p.kind = ContactPoint::Kind::Soft;
+  p.body = body;
+  p.point[0] = point;
+  return p;
+}
+
+/// Returns the position (m) of a contact point on a soft body whose points are at `positions`.
+Eigen::Vector3d positionOf(const ContactPoint& point, const Points& positions);
+
+/// Sets the friction and restitution of two objects, by Bullet's callbacks, and the speeds of a contact.
+void setMaterial(ContactBase& contact, const btCollisionObject& a, const btCollisionObject& b,
+                 const ContactSpeeds& speeds);
 
 /// Returns the handle of the partner of row `index` of the body's contacts with static and kinematic objects,
 /// or nullptr. Does not access the partner, which may be deleted.

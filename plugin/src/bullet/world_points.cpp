@@ -4,20 +4,15 @@
 // Bullet's bodies and reads the impulses of Bullet's solver from them, stops fast points at the first object
 // in their path, finds contacts with points of other bodies, and reads and writes Bullet's manifolds.
 
-#include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
+#include "bullet/contact_report.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/tick_contacts.h"
 
 #include <limber/soft_body_system.h>
 
 #include <BulletCollision/CollisionDispatch/btSphereBoxCollisionAlgorithm.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -127,9 +122,10 @@ void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
 void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
   for (PointMass* point : body.masses.bodies) {
     if (!point || point->isActive()) continue;
-    point->activate(true);
-    // the world has already applied gravity to the points that were awake at the start of the step
-    if (insideTick) point->applyGravity();
+    if (insideTick)
+      wakeInStep(*point);
+    else
+      point->activate(true);
   }
 }
 
@@ -234,10 +230,8 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick) {
 namespace {
 
 ContactPoint contactPointOf(const PointMass& point) {
-  ContactPoint result;
-  result.kind = point.owner()->asleep ? ContactPoint::Kind::World : ContactPoint::Kind::Soft;
-  result.body = point.owner()->index;
-  result.point[0] = point.index();
+  ContactPoint result = softPoint(point.owner()->index, point.index());
+  if (point.owner()->asleep) result.kind = ContactPoint::Kind::World;
   return result;
 }
 
@@ -250,11 +244,8 @@ Contact contactOf(const PointMass& point, const PointMass& other, const Eigen::V
   c.normal = normal;
   c.gap = normal.dot(offset) - radiusSum;
   c.spheres = theirs.asleep ? 0.0 : radiusSum;
-  c.friction = double(gCalculateCombinedFrictionCallback(&point, &other));
-  c.restitution = double(gCalculateCombinedRestitutionCallback(&point, &other));
-  c.bounceThreshold = body.speeds.bounce;
-  c.recoverySpeed =
-      theirs.asleep ? body.speeds.recovery : std::min(body.speeds.recovery, theirs.speeds.recovery);
+  setMaterial(c, point, other, body.speeds);
+  if (!theirs.asleep) c.recoverySpeed = std::min(c.recoverySpeed, theirs.speeds.recovery);
   return c;
 }
 
