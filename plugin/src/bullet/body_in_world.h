@@ -49,6 +49,9 @@ std::string checkPlace(std::size_t point, const Eigen::Vector3d& place);
 /// The error of all changes of a body that is not alive.
 inline Error notAlive() { return {"the soft body is disabled, see alive()"}; }
 
+/// Returns the centre of mass (m) of a body with the masses of the settings whose points are at `position`.
+Eigen::Vector3d centerOfMass(const BodyModel& model, const Points& position);
+
 /// Sets positions and velocities to those of a new body.
 void placeAsCreated(SoftBodyData& body);
 

@@ -150,10 +150,6 @@ void forEachPart(const btCollisionShape& shape, const btTransform& pose, Visit v
     forEachPart(*compound.getChildShape(i), pose * compound.getChildTransform(i), visit);
 }
 
-bool isPlane(const btCollisionObject& object) {
-  return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
-}
-
 /// What is below a static plane, in the world.
 struct HalfSpace {
   btVector3 normal, on;  ///< unit; m, a point of the plane
@@ -556,9 +552,7 @@ void findNear(const btDiscreteDynamicsWorld& world, const btRigidBody& body, dou
   forEachObjectIn(world, low - margin, high + margin, [&](btCollisionObject& other) {
     if (&other != &body && btRigidBody::upcast(&other) && !isSoft(&other)) near.push_back(&other);
   });
-  std::sort(near.begin(), near.end(), [](const btCollisionObject* x, const btCollisionObject* y) {
-    return x->getBroadphaseHandle()->m_uniqueId < y->getBroadphaseHandle()->m_uniqueId;
-  });
+  std::sort(near.begin(), near.end(), hasSmallerId);
 }
 
 }  // namespace

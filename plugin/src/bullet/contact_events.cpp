@@ -267,7 +267,7 @@ void reportManifold(SoftBodyData& body, std::vector<const SoftContact*>& scratch
   for (const SoftContact& contact : readReport(body)) scratch.push_back(&contact);
   // by partner, the strongest contacts first
   const auto keyOf = [](const SoftContact* c) {
-    return std::tuple(c->other->getBroadphaseHandle()->m_uniqueId, -c->normalImpulse, c);
+    return std::tuple(idOf(*c->other), -c->normalImpulse, c);
   };
   std::sort(scratch.begin(), scratch.end(),
             [&](const SoftContact* c, const SoftContact* d) { return keyOf(c) < keyOf(d); });

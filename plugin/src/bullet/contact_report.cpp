@@ -410,7 +410,8 @@ SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& 
     side.weights = hit.weights;
     if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
   }
-  return findSurface(object).body;
+  const SoftBodyData* owner = object ? ownerOf(*object) : nullptr;
+  return owner ? owner->handle : nullptr;
 }
 
 void findTriangles(SoftContact& contact) {

@@ -8,14 +8,13 @@
 #include "mesh/surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 /// m. A spring acts and damps only along its line. Three long ones along the axes act as one that pulls to
 /// the place and damps motion in all directions.
@@ -27,15 +26,6 @@ constexpr double kLongestPull = 2.0;
 
 btVector3 axisOf(int i) { return btVector3(i == 0, i == 1, i == 2); }
 
-btVector3 positionOfPoint(const SoftBody& body, std::uint32_t i) {
-  const Eigen::Vector3d x = body.position(i);
-  return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]), static_cast<btScalar>(x[2]));
-}
-
-bool isFinitePlace(const btVector3& v) {
-  return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
-}
-
 bool belongsTo(const SoftBodySystem& system, const SoftBody* body) {
   for (std::size_t i = 0; i < system.bodyCount(); ++i)
     if (system.body(i) == body) return body != nullptr;
@@ -43,19 +33,6 @@ bool belongsTo(const SoftBodySystem& system, const SoftBody* body) {
 }
 
 }  // namespace
-
-Result<void> SoftBodySystem::moveSpring(SpringConstraint* spring, const btVector3& pivot) {
-  const auto isThis = [&](const auto& entry) { return entry.get() == spring; };
-  if (std::none_of(impl_->springs.begin(), impl_->springs.end(), isThis))
-    return Error{"the spring is not, or no longer, one of this system"};
-  if (spring->a_.body && spring->b_.body) return Error{"both ends of the spring are on bodies"};
-  if (!(pivot.length2() <= btScalar(1e12))) return Error{"the pivot is not finite, or farther than 1e6 m"};
-  (spring->a_.body ? spring->b_ : spring->a_).pivot = pivot;
-  spring->target_.reset();
-  return {};
-}
-
-// --- grabs -------------------------------------------------------------------------------------------------
 
 /// A place to which three springs pull a point, one along each axis, to a place far away.
 struct GrabPull {
@@ -71,7 +48,7 @@ struct GrabPull {
 void Grab::mark(SpringConstraint& spring, const std::shared_ptr<GrabPull>& pull) { spring.grab_ = pull; }
 
 void Grab::aim(GrabPull& pull) {
-  const btVector3 from = positionOfPoint(*pull.body, pull.point), way = pull.place - from;
+  const btVector3 from = toBullet(pull.body->position(pull.point)), way = pull.place - from;
   double stiffness = pull.stiffness, damping = pull.damping;
   const double distance = double(way.length());
   if (pull.maxForce > 0.0 && distance * stiffness > pull.maxForce) {
@@ -114,7 +91,7 @@ SoftBody* Grab::body() const { return pull_ ? pull_->body.get() : nullptr; }
 std::uint32_t Grab::point() const { return pull_ ? pull_->point : 0; }
 
 void Grab::moveTo(const btVector3& place, const btVector3& velocity) {
-  if (!holds() || !isFinitePlace(place) || !isFinitePlace(velocity)) return;
+  if (!holds() || !isFinite(place) || !isFinite(velocity)) return;
   pull_->place = place;
   pull_->velocity = velocity;
   aim(*pull_);
@@ -146,13 +123,13 @@ Result<Grab> grab(SoftBodySystem& system, SoftBody* body, std::uint32_t i, const
   if (!body->alive()) return notAlive();
   if (!body->point(i)) return Error{"there is no point " + std::to_string(i)};
   if (body->pinned(i)) return Error{"the point is pinned"};
-  const double omega = kTwoPi * settings.frequency, mass = body->totalMass();
+  const double omega = 2.0 * kPi * settings.frequency, mass = body->totalMass();
   Grab held;
   held.system_ = &system;
   held.pull_ = std::make_shared<GrabPull>();
   GrabPull& pull = *held.pull_;
   pull = {body->handle(), i, {}, mass * omega * omega, 2.0 * mass * omega, settings.maxForce};
-  pull.place = positionOfPoint(*body, i);
+  pull.place = toBullet(body->position(i));
   SpringSettings spring;
   spring.restLength = double(kSpringLength);
   spring.stiffness = pull.stiffness;

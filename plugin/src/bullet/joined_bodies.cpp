@@ -27,10 +27,6 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
-auto findAnchor(std::vector<Anchor>& anchors, std::uint32_t point) {
-  return std::find_if(anchors.begin(), anchors.end(), [&](const Anchor& a) { return a.point == point; });
-}
-
 Error foreignBody() { return {"the soft body is not, or no longer, in this world"}; }
 
 }  // namespace
@@ -43,8 +39,7 @@ Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, con
   const btRigidBody& body = *anchor.body;
   const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
   if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
-  if (findAnchor(data.anchors, i) != data.anchors.end())
-    return Error{"point " + std::to_string(i) + " is already attached"};
+  if (isAttached(data, i)) return Error{"point " + std::to_string(i) + " is already attached"};
   if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
   if (PointMass::from(&body) || SurfaceObject::from(&body))
     return Error{
@@ -165,7 +160,7 @@ Result<void> SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
 
 bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;
-  const auto it = findAnchor(anchors, i);
+  const auto it = findAnchor(*softBody->data_, i);
   if (it == anchors.end()) return false;
   wakeAnchored(*softBody->data_, false);
   anchors.erase(it);
@@ -382,9 +377,7 @@ Result<void> Skeleton::teleportBody(const std::vector<btVector3>& to) {
   }
   const Eigen::Isometry3d motion = rigidMotionBetween(before, after);
   const Eigen::Quaterniond turn(motion.rotation());
-  return body_->setTransform(btTransform(btQuaternion(btScalar(turn.x()), btScalar(turn.y()),
-                                                      btScalar(turn.z()), btScalar(turn.w())),
-                                         toBullet(motion.translation())) *
+  return body_->setTransform(btTransform(toBullet(turn), toBullet(motion.translation())) *
                              body_->transform());
 }
 

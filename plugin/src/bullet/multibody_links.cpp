@@ -113,10 +113,6 @@ bool isDrive(const btMultiBodyConstraint& constraint) {
          dynamic_cast<const btMultiBodyJointLimitConstraint*>(&constraint);
 }
 
-}  // namespace
-
-namespace {
-
 /// Whether the link cannot move.
 bool isHeld(const btMultiBody& m, int link) {
   for (; link >= 0; link = m.getLink(link).m_parent)

@@ -28,7 +28,9 @@ void forgetPartners(SoftBodyData& body) {
 
 /// Returns whether part of the box is below a plane's surface or within its margin. A plane's own box is
 /// infinite.
-bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plane, const btTransform& pose) {
+bool reachesPlane(const Eigen::AlignedBox3d& box, const btCollisionObject& object) {
+  const auto& plane = static_cast<const btStaticPlaneShape&>(*object.getCollisionShape());
+  const btTransform& pose = object.getWorldTransform();
   const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
   const double offset = double(plane.getPlaneConstant()) + normal.dot(toEigen(pose.getOrigin()));
   const double lowest = normal.dot(box.center()) - 0.5 * normal.cwiseAbs().dot(box.sizes());
@@ -38,10 +40,7 @@ bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plan
 /// Returns whether the shape of a partner at rest overlaps the box (m). The broadphase boxes are not used:
 /// their margins do not scale with the scene, and must not affect how a body is stepped.
 bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
-  const btCollisionShape& shape = *partner.getCollisionShape();
-  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE)
-    return reachesPlane(box, static_cast<const btStaticPlaneShape&>(shape), partner.getWorldTransform());
-  return box.intersects(boxOf(partner));
+  return isPlane(partner) ? reachesPlane(box, partner) : box.intersects(boxOf(partner));
 }
 
 /// Returns whether a held object may enter the box (m) in the tick.
@@ -86,7 +85,7 @@ void addPartner(SoftBodyData& body, btCollisionObject& object, double tick) {
 ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
   const double gravity = toEigen(body.world->getGravity()).norm();
   // a speed that gravity gives in a tenth of a tick is no bounce
-  return {recoverySpeed(double(body.masses.shape->getRadius()), gravity, tick), 0.1 * gravity * tick};
+  return {recoverySpeed(radiusOf(body), gravity, tick), 0.1 * gravity * tick};
 }
 
 /// Returns the box around the search regions of all points, and stores their search distances.
@@ -96,7 +95,7 @@ Eigen::AlignedBox3d searchBox(SoftBodyData& body, double tick) {
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const SearchRegion searchRegion = searchRegionOf(body, i, tick);
     body.searchDistance[static_cast<std::size_t>(i)] = searchRegion.distance;
-    box.extend(searchRegion.low).extend(searchRegion.high);
+    box.extend(searchRegion.box);
   }
   return box;
 }
@@ -122,22 +121,18 @@ bool nothingIsNear(SoftBodyData& body, double tick) {
   return true;
 }
 
-/// The order of the broadphase's tree depends on earlier ticks.
 template <class Object>
 void sortById(std::vector<Object*>& objects, std::size_t first = 0) {
-  const auto idOf = [](const btCollisionObject* object) {
-    return objectInWorld(*object).getBroadphaseHandle()->m_uniqueId;
-  };
   std::sort(objects.begin() + static_cast<std::ptrdiff_t>(first), objects.end(),
-            [&](const Object* a, const Object* b) { return idOf(a) < idOf(b); });
+            [](const Object* a, const Object* b) {
+              return hasSmallerId(&objectInWorld(*a), &objectInWorld(*b));
+            });
 }
 
 void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
-  const auto add = [&](btCollisionObject& object) {
+  forEachObjectIn(*body.world, box, [&](btCollisionObject& object) {
     if (canHit(body, object)) addPartner(body, object, tick);
-  };
-  forEachObjectIn(*body.world, toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())),
-                  add);
+  });
   sortById(body.partners);
   sortById(body.freePartners);
 }
@@ -166,10 +161,10 @@ void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
 }
 
 /// Returns whether a body has static or kinematic partners in a box, and adds the new ones.
-bool addStaticPartners(SoftBodyData& body, const btVector3& low, const btVector3& high) {
+bool addStaticPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
   const std::size_t known = body.partners.size();
   bool any = false;
-  forEachObjectIn(*body.world, low, high, [&](const btCollisionObject& object) {
+  forEachObjectIn(*body.world, box, [&](const btCollisionObject& object) {
     if (isSoft(&object) || !isStaticOrKinematic(object) || !canHit(body, object)) return;
     any = true;
     addOnce(body.partners, &object);
@@ -237,7 +232,7 @@ class Watch final : public SearchWatch {
     const double remaining = double(tick_) - time;
     body_->state.position.col(i) = x;
     const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, remaining);
-    addStaticPartners(*body_, toBullet(searchRegion.low), toBullet(searchRegion.high));
+    addStaticPartners(*body_, searchRegion.box);
     found_.clear();
     foundPartners_.clear();
     swapRows(found_, foundPartners_);
@@ -326,8 +321,8 @@ double turningShare(const Eigen::Vector3d& own, const Eigen::Vector3d& spin, con
 
 Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
   Eigen::AlignedBox3d box = boxOf(rigid);
-  const Eigen::Vector3d fall = tick * tick * double(rigid.getInvMass()) * toEigen(rigid.getTotalForce());
-  const Eigen::Vector3d motion = kSearchPerMotion * (tick * toEigen(rigid.getLinearVelocity()) + fall);
+  const Eigen::Vector3d motion =
+      kSearchPerMotion * (tick * toEigen(rigid.getLinearVelocity()) + fallOf(rigid, tick));
   const double rotation = kSearchPerMotion * tick * double(rotationSpeed(rigid));
   box.extend(box.min() + motion.cwiseMin(0.0)).extend(box.max() + motion.cwiseMax(0.0));
   return {box.min().array() - rotation, box.max().array() + rotation};
@@ -385,9 +380,8 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
       box.extend(start).extend(end);
   }
   if (box.isEmpty()) return false;
-  const double margin = double(body.masses.shape->getRadius());
-  body.watch->on = addStaticPartners(body, toBullet(Eigen::Vector3d(box.min().array() - margin)),
-                                     toBullet(Eigen::Vector3d(box.max().array() + margin)));
+  const double margin = radiusOf(body);
+  body.watch->on = addStaticPartners(body, {box.min().array() - margin, box.max().array() + margin});
   return body.watch->on;
 }
 

@@ -392,7 +392,7 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
           {held.out, held.out.dot(body.state.position.col(i)) - held.end, true});
   }
   const std::size_t before = body.held.pieces.size();
-  const PieceRange range = findPieces(body, i, {searchRegion.low, searchRegion.high});
+  const PieceRange range = findPieces(body, i, searchRegion.box);
   HeldPiece *first = range.first(body), *last = range.last(body);
   if (first == last) return;
   chooseSides(body, i, first, last);
@@ -417,8 +417,7 @@ void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partn
   const btCollisionShape& shape = *partner.getCollisionShape();
   const btTransform& pose = partner.getWorldTransform();
   const bool surfaceBody = isSurfaceBody(body);
-  const bool isPlane = shape.getShapeType() == STATIC_PLANE_PROXYTYPE;
-  if (const std::optional<HeldPiece> solid = isPlane || surfaceBody ? solidOf(shape, pose) : std::nullopt)
+  if (const std::optional<HeldPiece> solid = isPlane(partner) || surfaceBody ? solidOf(shape, pose) : std::nullopt)
     return rows.addBelow(nearestOn(&*solid, &*solid + 1, rows.position()));
   if (surfaceBody && body.surface.contacts.empty()) body.surface.contacts.resize(pointCount(body));
   const bool isSlow = distance <= kSlowSearchDistance * rows.radius();

@@ -362,7 +362,7 @@ std::uint64_t stampOf(const btCollisionObject& object) {
   std::uint64_t hash = hashOfShape(shape);
   for (const std::uint64_t part : {std::uint64_t{reinterpret_cast<std::uintptr_t>(&object)},
                                    std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
-                                   static_cast<std::uint64_t>(object.getBroadphaseHandle()->m_uniqueId)})
+                                   static_cast<std::uint64_t>(idOf(object))})
     addToHash(hash, part);
   return hash | 1;
 }

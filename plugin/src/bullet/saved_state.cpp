@@ -463,7 +463,7 @@ void restoreImpulses(SoftBodyData& body, const BodyState& s) {
     const btCollisionObject* object = objectAt(body, s.touched[i]);
     if (!object) continue;
     const double* j = s.impulse.data() + 4 * i;
-    body.storedImpulses.push_back({object->getBroadphaseHandle()->m_uniqueId, object, s.key[i],
+    body.storedImpulses.push_back({idOf(*object), object, s.key[i],
                                    ContactImpulse{j[0], Eigen::Vector3d(j[1], j[2], j[3])}});
   }
   sortImpulses(body.storedImpulses);
@@ -501,7 +501,7 @@ void restoreContacts(SoftBodyData& body, const BodyState& s) {
     c.body = body.handle;
     c.other = objectAt(body, s.other[i]);
     if (!c.other) continue;
-    c.otherBody = findPoint(c.other).body ? findPoint(c.other).body : findSurface(c.other).body;
+    if (const SoftBodyData* other = ownerOf(*c.other)) c.otherBody = other->handle;
     const std::uint32_t* at = s.sides.data() + kSideNumbers * i;
     for (ContactSide* side : {&c.side, &c.otherSide}) {
       side->triangle = *at++;

@@ -186,14 +186,7 @@ bool isIslandMarked(LinkedGroup& group, const SleepScratch& s) {
 
 /// Returns a box (m) around the motion of the body in a tick.
 Eigen::AlignedBox3d boxOf(SoftBodyData& body, double tick) {
-  const MotionSums& sums = sumsOf(body);
-  const double fall = tick * tick * double(body.world->getGravity().length());
-  const double margin =
-      4.0 / 3.0 * radiusOf(body) + kSearchPerMotion * (tick * std::sqrt(sums.fastest) + fall);
-  const Eigen::Vector3d path = kSearchPerMotion * tick * Eigen::Map<const Eigen::Vector3d>(sums.meanVelocity);
-  const Eigen::Vector3d low = Eigen::Map<const Eigen::Vector3d>(sums.low) + path.cwiseMin(0.0);
-  const Eigen::Vector3d high = Eigen::Map<const Eigen::Vector3d>(sums.high) + path.cwiseMax(0.0);
-  return {low.array() - margin, high.array() + margin};
+  return sweptBoundsOf(body, tick, tick * tick * double(body.world->getGravity().length())).box;
 }
 
 bool isQuiet(const LinkedGroup& group) { return group.asleep || wantsSleep(group); }

@@ -217,15 +217,11 @@ bool SoftBody::pinned(std::uint32_t i) const {
   return point && point->isKinematicObject();
 }
 
-bool SoftBody::attached(std::uint32_t i) const {
-  return std::any_of(data_->anchors.begin(), data_->anchors.end(),
-                     [&](const Anchor& anchor) { return anchor.point == i; });
-}
+bool SoftBody::attached(std::uint32_t i) const { return isAttached(*data_, i); }
 
 btVector3 SoftBody::anchorForce(std::uint32_t i) const {
-  for (const Anchor& anchor : data_->anchors)
-    if (anchor.point == i) return anchor.force;
-  return btVector3(0, 0, 0);
+  const auto anchor = findAnchor(*data_, i);
+  return anchor != data_->anchors.end() ? anchor->force : btVector3(0, 0, 0);
 }
 
 std::uint32_t SoftBody::restorations() const { return data_->restorations; }
@@ -255,10 +251,6 @@ const PointState& current(SoftBodyData& data) {
   absorbOutsideChanges(data);
   return data.state;
 }
-
-}  // namespace
-
-namespace {
 
 /// Returns the force (N) of springs, dampers and volumes on point i.
 Eigen::Vector3d innerForce(const SoftBodyData& body, const PointState& state, std::uint32_t i) {

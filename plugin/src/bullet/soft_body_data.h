@@ -369,9 +369,25 @@ inline std::uint32_t pointCount(const SoftBodyData& body) {
 /// Returns the radius (m) of the points.
 inline double radiusOf(const SoftBodyData& body) { return double(body.masses.shape->getRadius()); }
 
+/// Returns the box (m) around points and a margin.
+inline Eigen::AlignedBox3d boxAround(const Points& x, double margin) {
+  return {x.rowwise().minCoeff().array() - margin, x.rowwise().maxCoeff().array() + margin};
+}
+
 /// Returns the gravity (m/s^2) that acts on points whose gravity the user has not set.
 inline btVector3 gravityOf(const SoftBodyData& body) {
   return static_cast<btScalar>(body.settings.gravityFactor) * body.world->getGravity();
+}
+
+/// Returns the anchor of point i, or the end of the anchors.
+template <class Body>
+auto findAnchor(Body& body, std::uint32_t i) {
+  return std::find_if(body.anchors.begin(), body.anchors.end(),
+                      [&](const Anchor& anchor) { return anchor.point == i; });
+}
+
+inline bool isAttached(const SoftBodyData& body, std::uint32_t i) {
+  return findAnchor(body, i) != body.anchors.end();
 }
 
 /// Returns whether point i is attached to the object, or was inside it around a point that is.
@@ -399,6 +415,13 @@ inline const btRigidBody& materialOf(const SoftBodyData& body, std::uint32_t i) 
 
 /// Returns whether the body has triangles, edges or vertices that collide.
 inline bool hasSurface(const SoftBodyData& body) { return !body.model->topology.elements.empty(); }
+
+/// Returns the body that has the object as its surface or a point, or nullptr.
+inline SoftBodyData* ownerOf(const btCollisionObject& object) {
+  if (const SurfaceObject* surface = SurfaceObject::from(&object)) return surface->owner();
+  const PointMass* point = PointMass::from(&object);
+  return point ? point->owner() : nullptr;
+}
 
 /// Returns whether an object is a point or the surface of a soft body.
 inline bool isSoft(const btCollisionObject* object) {

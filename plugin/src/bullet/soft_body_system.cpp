@@ -246,10 +246,6 @@ namespace {
 
 Error foreignSpring() { return {"the spring is not, or no longer, one of this system"}; }
 
-}  // namespace
-
-namespace {
-
 bool isSame(const SpringSettings& a, const SpringSettings& b) {
   return a.restLength == b.restLength && a.stiffness == b.stiffness && a.damping == b.damping &&
          a.action == b.action && a.breakForce == b.breakForce;
@@ -295,6 +291,15 @@ Result<void> SoftBodySystem::changeSpring(SpringConstraint* spring, const Spring
   spring->broken_ = false;
   impl_->wakeEnds(*spring, nullptr);
   impl_->step->groupsStale = true;
+  return {};
+}
+
+Result<void> SoftBodySystem::moveSpring(SpringConstraint* spring, const btVector3& pivot) {
+  if (find(impl_->springs, spring) == impl_->springs.end()) return foreignSpring();
+  if (spring->a_.body && spring->b_.body) return Error{"both ends of the spring are on bodies"};
+  if (!(pivot.length2() <= btScalar(1e12))) return Error{"the pivot is not finite, or farther than 1e6 m"};
+  (spring->a_.body ? spring->b_ : spring->a_).pivot = pivot;
+  spring->target_.reset();
   return {};
 }
 
@@ -472,11 +477,8 @@ void drawPins(const SoftBodyData& body, btIDebugDraw& drawer) {
 }
 
 void drawBox(const SoftBodyData& body, btIDebugDraw& drawer) {
-  const Points& x = body.state.position;
-  const double radius = radiusOf(body);
-  const Eigen::Vector3d low = x.rowwise().minCoeff().array() - radius;
-  const Eigen::Vector3d high = x.rowwise().maxCoeff().array() + radius;
-  drawer.drawAabb(toBullet(low), toBullet(high), drawer.getDefaultColors().m_aabb);
+  const Eigen::AlignedBox3d box = boxAround(body.state.position, radiusOf(body));
+  drawer.drawAabb(toBullet(box.min()), toBullet(box.max()), drawer.getDefaultColors().m_aabb);
 }
 
 void drawContacts(SoftBodyData& body, btIDebugDraw& drawer) {

@@ -71,7 +71,7 @@ bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
 /// Returns the last search with a part of a partner, or an empty one if there was no search in the last tick.
 CachedSearch& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
   std::vector<CachedSearch>& searches = body.surface.searches;
-  const int id = partner.getBroadphaseHandle()->m_uniqueId;
+  const int id = idOf(partner);
   const auto isThis = [&](const CachedSearch& s) {
     return s.partner == &partner && s.id == id && s.part == part;
   };
@@ -379,10 +379,6 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& pa
   s.search.bearing.clear();
   findContacts(m, s);
   addCandidate(m, s.contacts, tick, s, found);
-}
-
-bool isPlane(const btCollisionObject& object) {
-  return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, const SweptBox& box, double tick,

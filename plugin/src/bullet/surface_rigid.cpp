@@ -206,8 +206,7 @@ void writeShared(SoftBodyData& body) {
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (isPinned(body, static_cast<Eigen::Index>(i))) continue;
     writePoint(body, i);
-    body.masses.leftPosition[i] = body.masses.bodies[i]->getWorldTransform().getOrigin();
-    body.masses.leftVelocity[i] = body.masses.bodies[i]->getLinearVelocity();
+    remember(body.masses, i);
   }
 }
 

@@ -223,9 +223,8 @@ class Tearing {
   }
 
   bool isFixed(std::uint32_t point) const {
-    const auto isHere = [&](const Anchor& anchor) { return anchor.point == point; };
     return limber::isHeld(body_.state.inverseMass, static_cast<Eigen::Index>(point)) ||
-           std::any_of(body_.anchors.begin(), body_.anchors.end(), isHere);
+           isAttached(body_, point);
   }
 
   /// Returns the force (N) with which the other springs at a point pull against `towards` (unit).

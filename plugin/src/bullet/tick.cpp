@@ -282,8 +282,7 @@ void SoftBodySystem::Impl::WorldStep::takeLink(SpringConstraint& spring, const L
 void SoftBodySystem::Impl::WorldStep::takeAnchors(LinkedGroup& group, double tick) {
   for (const LinkAnchor& link : group.step.links.anchors) {
     SoftBodyData& body = *group.bodies[link.point.body];
-    const auto isThis = [&](const Anchor& anchor) { return anchor.point == link.point.point; };
-    const auto anchor = std::find_if(body.anchors.begin(), body.anchors.end(), isThis);
+    const auto anchor = findAnchor(body, link.point.point);
     if (anchor == body.anchors.end()) continue;
     anchor->force = toBullet(link.impulse / tick);
     const double force = link.impulse.norm() / tick;

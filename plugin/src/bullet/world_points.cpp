@@ -166,12 +166,8 @@ double motion(const SoftBodyData& body, Eigen::Index i) {
 
 /// Returns whether the body may have passed through an object in the tick.
 bool hasObstacle(const SoftBodyData& body, double longest) {
-  const Points& from = body.masses.startPosition;
-  const double margin = radiusOf(body) + longest;
-  const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
-  const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
   bool any = false;
-  forEachObjectIn(*body.world, toBullet(low), toBullet(high),
+  forEachObjectIn(*body.world, boxAround(body.masses.startPosition, radiusOf(body) + longest),
                   [&](const btCollisionObject& object) { any = any || canHit(body, object); });
   return any;
 }
@@ -286,9 +282,8 @@ void addIfNear(const PointMass& point, const PointMass& other, double tick, std:
 
 /// Calls visit(point) for the points of other bodies whose boxes overlap the region.
 template <class Visit>
-void forEachOtherPoint(const SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                       Visit visit) {
-  forEachObjectIn(*body.world, toBullet(low), toBullet(high), [&](const btCollisionObject& object) {
+void forEachOtherPoint(const SoftBodyData& body, const Eigen::AlignedBox3d& box, Visit visit) {
+  forEachObjectIn(*body.world, box, [&](const btCollisionObject& object) {
     const PointMass* other = PointMass::from(&object);
     if (other && other->owner() != &body) visit(*other);
   });
@@ -297,17 +292,14 @@ void forEachOtherPoint(const SoftBodyData& body, const Eigen::Vector3d& low, con
 /// Adds the contacts of a body's points. No point moves farther than `farthest` (m) towards another one.
 void addPointPairs(const SoftBodyData& body, double tick, double farthest, TickContacts& found) {
   Eigen::AlignedBox3d box;
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const SearchRegion region = searchRegionOf(body, i, tick, farthest);
-    box.extend(region.low).extend(region.high);
-  }
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+    box.extend(searchRegionOf(body, i, tick, farthest).box);
   bool any = false;
-  forEachOtherPoint(body, box.min(), box.max(), [&](const PointMass&) { any = true; });
+  forEachOtherPoint(body, box, [&](const PointMass&) { any = true; });
   if (!any) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const SearchRegion region = searchRegionOf(body, i, tick, farthest);
     const std::size_t first = found.contacts.size();
-    forEachOtherPoint(body, region.low, region.high, [&](const PointMass& other) {
+    forEachOtherPoint(body, searchRegionOf(body, i, tick, farthest).box, [&](const PointMass& other) {
       const SoftBodyData* theirs = other.owner();
       if (!theirs || !theirs->alive) return;
       // the other body adds the contact
