@@ -71,6 +71,10 @@ Points elasticForces(const SoftBodyData& body);
 /// Writes the state to Bullet's objects. Pins keep their targets unless they are moved, too.
 void writeToBullet(SoftBodyData& body, bool pinsMoved = false);
 
+/// Gives the body the springs and volumes of its new model. Springs that may have yielded or broken continue:
+/// carry(springs) takes that over from the present ones, on which body.springs still is.
+void takeConstants(SoftBodyData& body, const std::function<void(SpringArrays&)>& carry);
+
 /// Gives the body the constants of its model again, instead of softened ones, and resets what depends on
 /// them.
 void forgetConstants(SoftBodyData& body);

@@ -379,23 +379,13 @@ Result<void> checkScaled(SoftBodyData& body, const Vector3d& ratio) {
   return {};
 }
 
-/// Takes over constants of a new model. Springs that have yielded keep the strain of that; broken ones stay
-/// broken.
-void takeConstants(SoftBodyData& body) {
-  SpringArrays springs = body.model->springs;
-  springs.revision = body.springs.revision + 1;
-  if (const SpringConstants* old = body.springs.yielded.get()) {
-    springs.yielded = std::make_shared<SpringConstants>(*springs.original);
-    for (std::size_t i = 0; i < springs.size(); ++i) {
-      const double before = body.springs.original->restLength[i];
-      if (before > 0.0) springs.yielded->restLength[i] *= old->restLength[i] / before;
-      if (isBroken(body.springs, i)) breakSpring(springs, i);
-    }
+/// Springs that have yielded keep the strain of that; broken ones stay broken.
+void carrySprings(const SoftBodyData& body, SpringArrays& springs) {
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const double before = body.springs.original->restLength[i];
+    if (before > 0.0) springs.yielded->restLength[i] *= body.springs->restLength[i] / before;
+    if (isBroken(body.springs, i)) breakSpring(springs, i);
   }
-  body.springs = std::move(springs);
-  body.volumes = body.model->volumes;
-  body.tetrahedra = body.model->tetrahedra;
-  forgetConstants(body);
 }
 
 /// Gives points the masses of the model. Points whose mass the user has set keep it.
@@ -473,6 +463,19 @@ Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
   return checkScaled(body, s.scale.cwiseQuotient(body.settings.scale));
 }
 
+void takeConstants(SoftBodyData& body, const std::function<void(SpringArrays&)>& carry) {
+  SpringArrays springs = body.model->springs;
+  springs.revision = body.springs.revision + 1;
+  if (body.springs.yielded) {
+    springs.yielded = std::make_shared<SpringConstants>(*springs.original);
+    carry(springs);
+  }
+  body.springs = std::move(springs);
+  body.volumes = body.model->volumes;
+  body.tetrahedra = body.model->tetrahedra;
+  forgetConstants(body);
+}
+
 void forgetConstants(SoftBodyData& body) {
   body.springs.original = body.model->springs.original;
   body.volumes.constants = body.model->volumes.constants;
@@ -502,7 +505,7 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
                   [&](std::uint32_t i, const Vector3d& place) { body.state.position.col(i) = place; });
   const std::shared_ptr<const BodyModel> old = std::exchange(body.model, *model);
   if (old != body.model) {
-    takeConstants(body);
+    takeConstants(body, [&](SpringArrays& springs) { carrySprings(body, springs); });
     changeMasses(body, *old);
     body.size *= std::cbrt(std::abs(settings.scale.prod() / before.scale.prod()));
   }

@@ -410,7 +410,7 @@ SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& 
     side.weights = hit.weights;
     if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
   }
-  const SoftBodyData* owner = object ? ownerOf(*object) : nullptr;
+  const SoftBodyData* owner = ownerOf(*object);
   return owner ? owner->handle : nullptr;
 }
 

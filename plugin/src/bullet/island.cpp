@@ -258,16 +258,6 @@ void appendPlaneContacts(Island& island) {
   }
 }
 
-}  // namespace
-
-void addLinkedRigids(const AwakeGroups& groups, TickContacts& found) {
-  for (const LinkedGroup* group : groups)
-    for (const RigidPartner& rigid : group->rigids)
-      if (isFree(*rigid.body)) found.add(*rigid.body);
-}
-
-namespace {
-
 /// m/s, of a side of a contact; `soft` is its soft body.
 Eigen::Vector3d velocityOf(const ContactPoint& side, const SoftBodyData* soft, const TickContacts& found) {
   Eigen::Vector3d velocity = side.velocity;
@@ -296,6 +286,12 @@ void findApproaches(const AwakeGroups& groups, const TickContacts& found) {
 }
 
 }  // namespace
+
+void addLinkedRigids(const AwakeGroups& groups, TickContacts& found) {
+  for (const LinkedGroup* group : groups)
+    for (const RigidPartner& rigid : group->rigids)
+      if (isFree(*rigid.body)) found.add(*rigid.body);
+}
 
 void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, Islands& islands) {
   islands.count = 0;

@@ -29,30 +29,6 @@ namespace {
 
 Error foreignBody() { return {"the soft body is not, or no longer, in this world"}; }
 
-}  // namespace
-
-Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, const Anchor& anchor) const {
-  if (!step->owns(softBody)) return foreignBody();
-  SoftBodyData& data = *softBody->data_;
-  if (!isAlive(data)) return notAlive();
-  const std::uint32_t i = anchor.point;
-  const btRigidBody& body = *anchor.body;
-  const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
-  if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
-  if (isAttached(data, i)) return Error{"point " + std::to_string(i) + " is already attached"};
-  if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
-  if (PointMass::from(&body) || SurfaceObject::from(&body))
-    return Error{
-        "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
-  if (isElsewhere(body, *world)) return Error{"the rigid body is in another world"};
-  if (!isValidPivot(anchor.pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
-  if (!(anchor.breakForce >= 0.0 && anchor.breakForce <= 1e18))
-    return Error{"breakForce must be from 0 to 1e18"};
-  return {};
-}
-
-namespace {
-
 Anchor anchorOf(std::uint32_t i, btRigidBody& body, const btVector3& pivot, double breakForce) {
   Anchor anchor{i, &body, pivot};
   anchor.breakForce = breakForce;
@@ -110,6 +86,26 @@ btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& 
 }
 
 }  // namespace
+
+Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, const Anchor& anchor) const {
+  if (!step->owns(softBody)) return foreignBody();
+  SoftBodyData& data = *softBody->data_;
+  if (!isAlive(data)) return notAlive();
+  const std::uint32_t i = anchor.point;
+  const btRigidBody& body = *anchor.body;
+  const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
+  if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
+  if (isAttached(data, i)) return Error{"point " + std::to_string(i) + " is already attached"};
+  if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
+  if (PointMass::from(&body) || SurfaceObject::from(&body))
+    return Error{
+        "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
+  if (isElsewhere(body, *world)) return Error{"the rigid body is in another world"};
+  if (!isValidPivot(anchor.pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
+  if (!(anchor.breakForce >= 0.0 && anchor.breakForce <= 1e18))
+    return Error{"breakForce must be from 0 to 1e18"};
+  return {};
+}
 
 Result<void> SoftBodySystem::Impl::attach(SoftBody* softBody, std::vector<Anchor> anchors) {
   std::vector<std::uint32_t> points;

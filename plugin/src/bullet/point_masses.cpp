@@ -50,6 +50,9 @@ void remember(PointMasses& masses, std::uint32_t i) {
 
 namespace {
 
+/// Returns whether the bodies differ from the state only where the application has changed them.
+bool isReadable(const PointMasses& masses) { return masses.exposed && !masses.inFlight; }
+
 /// Returns a very large inertia, which prevents rotation also in solvers that ignore the angular factor. The
 /// angular factor of a point mass is 0: it does not rotate and slides with its full friction. An inverse
 /// inertia of 0 is not possible: if Bullet solved an unpredicted contact with an object at rest, its rolling
@@ -362,13 +365,6 @@ bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
   }
   return false;
 }
-
-namespace {
-
-/// Returns whether the bodies differ from the state only where the application has changed them.
-bool isReadable(const PointMasses& masses) { return masses.exposed && !masses.inFlight; }
-
-}  // namespace
 
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = isReadable(body.masses) ? body.masses.bodies[i] : nullptr;

@@ -62,22 +62,6 @@ namespace {
 
 Eigen::Vector3d noVector() { return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-}  // namespace
-
-Eigen::Vector3d SoftBody::position(std::uint32_t i) const {
-  if (i >= pointCount()) return noVector();
-  readObject(*data_);
-  return currentPosition(*data_, i);
-}
-
-Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const {
-  if (i >= pointCount()) return noVector();
-  readObject(*data_);
-  return currentVelocity(*data_, i);
-}
-
-namespace {
-
 /// Writes positionOf(i) for all points.
 template <class PositionOf>
 void writeEach(const SoftBodyData& body, PositionOf positionOf, float* xyz) {
@@ -98,6 +82,18 @@ void writeSkin(SoftBodyData& body, WritePoints writePoints, float* xyz) {
 }
 
 }  // namespace
+
+Eigen::Vector3d SoftBody::position(std::uint32_t i) const {
+  if (i >= pointCount()) return noVector();
+  readObject(*data_);
+  return currentPosition(*data_, i);
+}
+
+Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const {
+  if (i >= pointCount()) return noVector();
+  readObject(*data_);
+  return currentVelocity(*data_, i);
+}
 
 void SoftBody::writePositions(float* xyz) const {
   readObject(*data_);

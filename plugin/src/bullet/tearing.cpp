@@ -40,27 +40,17 @@ Result<std::shared_ptr<const BodyModel>> modelOf(SoftBodyData& body, const Share
 }
 
 /// Takes over yielded lengths and broken springs.
-void takeSprings(SoftBodyData& body, const BodyModel& before, const Origins& springOf) {
-  SpringArrays springs = body.model->springs;
-  springs.revision = body.springs.revision + 1;
-  if (body.springs.yielded) {
-    const SpringConstants& old = *body.springs.yielded;
-    const std::vector<std::uint32_t>& oldOrder = before.springs.original->division.order;
-    std::vector<std::size_t> placeOf(oldOrder.size());
-    for (std::size_t i = 0; i < oldOrder.size(); ++i) placeOf[oldOrder[i]] = i;
-    springs.yielded = std::make_shared<SpringConstants>(*springs.original);
-    const std::vector<std::uint32_t>& order = springs.original->division.order;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const std::size_t from = placeOf[springOf[order[i]]];
-      springs.yielded->restLength[i] = old.restLength[from];
-      if (isBroken(body.springs, from)) breakSpring(springs, i);
-    }
+void carrySprings(const SoftBodyData& body, const BodyModel& before, const Origins& springOf,
+                  SpringArrays& springs) {
+  const std::vector<std::uint32_t>& oldOrder = before.springs.original->division.order;
+  std::vector<std::size_t> indexOf(oldOrder.size());
+  for (std::size_t i = 0; i < oldOrder.size(); ++i) indexOf[oldOrder[i]] = i;
+  const std::vector<std::uint32_t>& order = springs.original->division.order;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::size_t from = indexOf[springOf[order[i]]];
+    springs.yielded->restLength[i] = body.springs->restLength[from];
+    if (isBroken(body.springs, from)) breakSpring(springs, i);
   }
-  body.springs = std::move(springs);
-  body.volumes = body.model->volumes;
-  body.tetrahedra = body.model->tetrahedra;
-  forgetConstants(body);
-  body.surface.freed = true;
 }
 
 /// Shares what points have in proportion to their mass.
@@ -114,7 +104,9 @@ Result<void> takeSplit(SoftBodyData& body, const SplitNetwork& split) {
   readFromBullet(body);
   const std::shared_ptr<const BodyModel> before = std::exchange(body.model, *model);
   body.settings = settings;
-  takeSprings(body, *before, split.springOf);
+  takeConstants(
+      body, [&](SpringArrays& springs) { carrySprings(body, *before, split.springOf, springs); });
+  body.surface.freed = true;
   sharePoints(body, *before, split.pointOf);
   dividePointMasses(body, split.pointOf, before->masses);
   forgetShape(body);

@@ -123,6 +123,18 @@ std::uint64_t planeKey(const SoftBodyData& body, std::size_t index) {
   return std::uint64_t{0xf} << 60 | before << 32 | point;
 }
 
+/// Notes the acceleration (m/s^2) of points if a contact that exerted `impulse` (N s) on them ended.
+void noteRelease(SoftBodyData& body, std::uint32_t point, double impulse, double tick) {
+  const double w = body.state.inverseMass.col(point).maxCoeff();
+  body.surface.release = std::max(body.surface.release, w * impulse / tick);
+}
+
+void noteReleases(const TickContacts& contacts, const Contact& c, const ContactSource& source) {
+  for (const auto& [point, body] : {std::pair(&c.a, source.body), std::pair(&c.b, source.other)})
+    for (std::uint32_t i = 0; body && point->kind == ContactPoint::Kind::Soft && i < point->count; ++i)
+      noteRelease(*body, point->point[i], point->weight[i] * c.impulse.along, contacts.tick);
+}
+
 }  // namespace
 
 const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index) {
@@ -146,22 +158,6 @@ void warmStart(const SoftBodyData& body, std::size_t index, Contact& contact) {
   if (const ContactImpulse* impulse = lastImpulse(body, *partner, planeKey(body, index)))
     contact.positionImpulse = *impulse;
 }
-
-namespace {
-
-/// Notes the acceleration (m/s^2) of points if a contact that exerted `impulse` (N s) on them ended.
-void noteRelease(SoftBodyData& body, std::uint32_t point, double impulse, double tick) {
-  const double w = body.state.inverseMass.col(point).maxCoeff();
-  body.surface.release = std::max(body.surface.release, w * impulse / tick);
-}
-
-void noteReleases(const TickContacts& contacts, const Contact& c, const ContactSource& source) {
-  for (const auto& [point, body] : {std::pair(&c.a, source.body), std::pair(&c.b, source.other)})
-    for (std::uint32_t i = 0; body && point->kind == ContactPoint::Kind::Soft && i < point->count; ++i)
-      noteRelease(*body, point->point[i], point->weight[i] * c.impulse.along, contacts.tick);
-}
-
-}  // namespace
 
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
   for (SoftBodyData* body : bodies) {
@@ -264,11 +260,7 @@ void startTick(RigidManifolds& history) {
             });
 }
 
-}  // namespace
-
 // --- contacts ----------------------------------------------------------------------------------------------
-
-namespace {
 
 /// Calls visit(index in the world's list, manifold) for both objects of all manifolds with a contact
 /// response. Manifolds of spheres may be empty: they have a point only while the two overlap.

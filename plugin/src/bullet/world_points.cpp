@@ -57,6 +57,14 @@ void readFreePoint(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   body.state.position.col(i) += double(tick) * impulse + withoutRounding(unexplained, size);
 }
 
+/// Gives a point the gravity of the settings in place of the world's, which the world has already applied.
+void scaleGravity(PointMass& point, const btVector3& gravity) {
+  if ((point.getFlags() & BT_DISABLE_WORLD_GRAVITY) != 0 || point.getGravity() == gravity) return;
+  if (point.getInvMass() > btScalar(0))
+    point.applyCentralForce((gravity - point.getGravity()) / point.getInvMass());
+  point.setGravity(gravity);
+}
+
 }  // namespace
 
 void addPointMasses(SoftBodyData& body) {
@@ -77,18 +85,6 @@ void removePointMasses(SoftBodyData& body) {
   }
   deletePointMasses(body);
 }
-
-namespace {
-
-/// Gives a point the gravity of the settings in place of the world's, which the world has already applied.
-void scaleGravity(PointMass& point, const btVector3& gravity) {
-  if ((point.getFlags() & BT_DISABLE_WORLD_GRAVITY) != 0 || point.getGravity() == gravity) return;
-  if (point.getInvMass() > btScalar(0))
-    point.applyCentralForce((gravity - point.getGravity()) / point.getInvMass());
-  point.setGravity(gravity);
-}
-
-}  // namespace
 
 void gatherWorldPoints(SoftBodyData& body, btScalar tick) {
   gatherPoints(body, tick, false);
