@@ -138,7 +138,7 @@ void transferSettings(Stream& stream, Settings& s) {
 // --- the state of a body -----------------------------------------------------------------------------------
 
 /// What continues a body's motion, but for what is computed anew in each tick.
-struct BodyState {
+struct BodyState : MotionMemory {
   std::uint64_t network = 0;  ///< hash
   SoftBodySettings settings;
   std::vector<double> position, velocity, startPosition;  ///< 3 x #points
@@ -150,14 +150,9 @@ struct BodyState {
   std::vector<std::uint8_t> broken;                       ///< #springs, likewise, or empty
   Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();
   bool asleep = false, freed = false;
-  double calmTime = 0.0, softenedTo = 0.0, resolved = 0.0, errorPerSecond = 0.0, errorCoefficient = 0.0;
+  double softenedTo = 0.0;
   std::vector<double> softenedMass;  ///< 3 x #points, inverse masses for which it was softened, or empty
-  RateHistory rates;
-  EnergyLimit energy;
-  int substeps = 0, overlapTicks = 0, resolvedBy = 0;
-  Stepper stepper = Stepper::Verlet;
-  bool prefersImplicit = false;
-  std::uint32_t restorations = 0;
+  int overlapTicks = 0;
   Eigen::Vector3d jointLinear = Eigen::Vector3d::Zero(), jointAngular = Eigen::Vector3d::Zero();
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
   std::vector<double> otherForces;                     ///< 3, N/kg, BodyMedium::others, or empty
@@ -198,13 +193,13 @@ void transferState(Stream& stream, State& s) {
   for (auto* number : {&s.calmTime, &s.softenedTo, &s.resolved, &s.errorPerSecond, &s.errorCoefficient})
     stream.value("measures", *number);
   stream.array("inverse masses", s.softenedMass);
-  transferRates(stream, s.rates.now);
-  transferRates(stream, s.rates.before);
-  stream.value("age", s.rates.age);
-  for (auto* flag : {&s.energy.on, &s.energy.persists, &s.energy.forceScaled})
+  transferRates(stream, s.rateHistory.now);
+  transferRates(stream, s.rateHistory.before);
+  stream.value("age", s.rateHistory.age);
+  for (auto* flag : {&s.energyLimit.on, &s.energyLimit.persists, &s.energyLimit.forceScaled})
     transferFlag(stream, "energy limit", *flag);
-  stream.value("energy limit", s.energy.bound);
-  for (auto* number : {&s.energy.atEnd, &s.energy.tick, &s.energy.unsteady})
+  stream.value("energy limit", s.energyLimit.bound);
+  for (auto* number : {&s.energyLimit.atEnd, &s.energyLimit.tick, &s.energyLimit.unsteady})
     stream.value("energy limit", *number);
   stream.value("substeps", s.substeps);
   stream.value("stepper", s.stepper);
@@ -375,17 +370,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.asleep = body.asleep;
   s.freed = body.surface.freed;
   s.overlapTicks = body.surface.overlapTicks;
-  s.calmTime = body.calmTime;
-  s.resolved = body.resolved;
-  s.resolvedBy = body.resolvedBy;
-  s.errorPerSecond = body.errorPerSecond;
-  s.errorCoefficient = body.errorCoefficient;
-  s.rates = body.rateHistory;
-  s.energy = body.energyLimit;
-  s.substeps = body.substeps;
-  s.stepper = body.stepper;
-  s.prefersImplicit = body.prefersImplicit;
-  s.restorations = body.restorations;
+  static_cast<MotionMemory&>(s) = body;
   if (body.medium) s.lastWind = body.medium->lastWind;
   if (body.medium && body.medium->others) s.otherForces = numbersOf(*body.medium->others);
   return s;
@@ -530,17 +515,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.surface.frame = s.frame;
   body.surface.joints = {s.jointLinear, s.jointAngular};
   body.surface.joints.set = JointMotion::kUnknown;
-  body.calmTime = s.calmTime;
-  body.resolved = s.resolved;
-  body.resolvedBy = s.resolvedBy;
-  body.errorPerSecond = s.errorPerSecond;
-  body.errorCoefficient = s.errorCoefficient;
-  body.rateHistory = s.rates;
-  body.energyLimit = s.energy;
-  body.substeps = s.substeps;
-  body.stepper = s.stepper;
-  body.prefersImplicit = s.prefersImplicit;
-  body.restorations = s.restorations;
+  static_cast<MotionMemory&>(body) = s;
   mediumOf(body).lastWind = s.lastWind;
   body.medium->others.reset();
   if (!s.otherForces.empty()) body.medium->others = Eigen::Map<const Eigen::Vector3d>(s.otherForces.data());

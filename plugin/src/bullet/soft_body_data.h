@@ -238,6 +238,21 @@ struct EnergyLimit {
   double unsteady = 0.0;     ///< s, time for which the last change of the tick's length still counts
 };
 
+/// What a body remembers of its motion. Saved states have it.
+struct MotionMemory {
+  double calmTime = 0.0;  ///< s, see LinkedGroup::calmTime
+  double resolved = 0.0;  ///< rad^2/s^2, LinkedGroup::resolved, which ends with the group
+  int resolvedBy = 0;     ///< the maximum of substeps that resolved it
+  RateHistory rateHistory;
+  EnergyLimit energyLimit;
+  int substeps = 0;                   ///< in the last tick
+  Stepper stepper = Stepper::Verlet;  ///< in the last tick
+  double errorPerSecond = 0.0;        ///< m/s
+  double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem
+  bool prefersImplicit = false;       ///< in the last tick, if it were in no island
+  std::uint32_t restorations = 0;     ///< number of ticks with a restoration
+};
+
 /// The region of a cut.
 struct Cut {
   Eigen::Vector3d point, normal;         ///< m, unit
@@ -252,7 +267,7 @@ struct LocalSpins {
 };
 
 /// The data of a SoftBody.
-struct SoftBodyData {
+struct SoftBodyData : MotionMemory {
   std::shared_ptr<const BodyModel> model;
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
@@ -315,22 +330,12 @@ struct SoftBodyData {
   std::uint32_t index = 0;  ///< among the living bodies of all systems of the world
   bool alive = true;
   bool asleep = false;
-  bool restored = false;           ///< in this tick, see restoreIfUnsound()
-  bool rolledBack = false;         ///< since the last tick, by restoreState()
-  std::uint32_t restorations = 0;  ///< number of ticks with a restoration
-  double calmTime = 0.0;           ///< s, see LinkedGroup::calmTime
-  bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed
-  double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
-  double resolved = 0.0;           ///< rad^2/s^2, LinkedGroup::resolved, which ends with the group
-  int resolvedBy = 0;              ///< the maximum of substeps that resolved it
-  double fastestSquared = 0.0;     ///< rad^2/s^2, bound of fastestOscillationSquared for the present masses
-  RateHistory rateHistory;
-  EnergyLimit energyLimit;
-  int substeps = 0;                   ///< in the last tick
-  int island = -1;                    ///< in the last tick, see SoftBody::island()
-  Stepper stepper = Stepper::Verlet;  ///< in the last tick
-  double errorPerSecond = 0.0;        ///< m/s
-  double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem
+  bool restored = false;          ///< in this tick, see restoreIfUnsound()
+  bool rolledBack = false;        ///< since the last tick, by restoreState()
+  bool frequencyStale = true;     ///< inverse masses have changed since frequencySquared was computed
+  double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
+  double fastestSquared = 0.0;    ///< rad^2/s^2, bound of fastestOscillationSquared for the present masses
+  int island = -1;                ///< in the last tick, see SoftBody::island()
   std::vector<double> stiffnessSums;
   bool anyHeld = false;      ///< some point has an inverse mass of 0; frequencyStale applies to it, too
   MotionSums sums;           ///< see sumsOf()
@@ -341,7 +346,6 @@ struct SoftBodyData {
   double approach = 0.0;     ///< m/s, largest at which it and a moving object near it approach each other in
                              ///< this tick; -HUGE_VAL: there is none
   double size = 0.0;         ///< m, diagonal of its initial bounding box
-  bool prefersImplicit = false;                      ///< in the last tick, if it were in no island
   std::unique_ptr<SpringBatchArrays> springBatches;  ///< see useSpringBatches()
   std::unique_ptr<ImplicitState> implicit;           ///< created when it is first stepped implicitly
   std::vector<float> skinned;                        ///< 3 x #points, scratch of a body with a skin
