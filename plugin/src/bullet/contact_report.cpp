@@ -51,17 +51,16 @@ void add(SoftBodyData& body, const SoftContact& contact, const ObjectHandle& par
 // --- on static and kinematic objects -----------------------------------------------------------------------
 
 void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
-  for (std::size_t i = 0; i < body.contacts.size(); ++i) {
-    const ObjectHandle* handle = partnerHandle(body, i);
-    if (!handle || !isValid(world, *handle)) continue;
-    const PlaneContact& row = body.contacts[i];
+  for (const PlaneContact& row : body.contacts) {
+    const ObjectHandle& handle = partnerOf(body, row).handle;
+    if (!isValid(world, handle)) continue;
     // its plane is that of the last contact, if there was any
     if (row.away && row.impulse.sum.isZero(0.0)) continue;
     const Vector3d x = body.state.position.col(row.point);
     const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
     const SoftContact c =
-        contactAt(body, pointSide(row.point), x, row.normal, distance, row.impulse, handle->object);
-    if (isReported(body, c)) add(body, c, *handle);
+        contactAt(body, pointSide(row.point), x, row.normal, distance, row.impulse, handle.object);
+    if (isReported(body, c)) add(body, c, handle);
   }
 }
 
@@ -81,7 +80,8 @@ SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
   return m;
 }
 
-void addPair(const Contact& pair, const ContactSource& source) {
+void addPair(const TickContact& pair) {
+  const ContactSource& source = pair.source;
   SoftBodyData &body = *source.body, *other = source.other;
   SoftContact c = contactAt(body, sideOf(pair.a), positionOf(pair.a, body.state.position), pair.normal,
                             pair.gap, pair.impulse, source.partner.object);
@@ -111,11 +111,9 @@ Vector3d displacementOf(const ContactPoint& p, const SoftBodyData* body, const T
 }
 
 /// Adds a contact that has not acted. Its gap is that of the tick's start.
-void addSensed(const TickContacts& pairs, std::size_t i) {
-  Contact c = pairs.sensed[i];
-  const ContactSource& source = pairs.sensedSources[i];
-  c.gap += c.normal.dot(displacementOf(c.a, source.body, pairs) - displacementOf(c.b, source.other, pairs));
-  addPair(c, source);
+void addSensed(TickContact c, const TickContacts& pairs) {
+  c.gap += c.normal.dot(displacementOf(c.a, c.source.body, pairs) - displacementOf(c.b, c.source.other, pairs));
+  addPair(c);
 }
 
 // --- contacts of points that Bullet's solver handled -------------------------------------------------------
@@ -178,7 +176,7 @@ void addPlaneImpulses(const SoftBodyData& body, std::uint32_t point, const btCol
   const ContactRange rows = contactsOfPoint(body.contacts, point);
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
     const PlaneContact& row = body.contacts[r];
-    for (int p = 0; p < manifold.getNumContacts() && body.contactPartners[r] == partner; ++p) {
+    for (int p = 0; p < manifold.getNumContacts() && partnerOf(body, row).handle.object == partner; ++p) {
       btManifoldPoint& contact = manifold.getContactPoint(p);
       if (!(std::abs(toEigen(contact.m_normalWorldOnB).dot(row.normal)) > kSameSurface)) continue;
       contact.m_appliedImpulse += static_cast<btScalar>(row.impulse.along);
@@ -328,11 +326,10 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
   });
   const bool anyInBullet = std::any_of(bodies.begin(), bodies.end(),
                                        [](const SoftBodyData* body) { return !isSurfaceBody(*body); });
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
-    if (pairs.sources[i].body && isValid(world, pairs.sources[i].partner))
-      addPair(pairs.contacts[i], pairs.sources[i]);
-  for (std::size_t i = 0; i < pairs.sensed.size(); ++i)
-    if (isValid(world, pairs.sensedSources[i].partner)) addSensed(pairs, i);
+  for (const TickContact& c : pairs.contacts)
+    if (c.source.body && isValid(world, c.source.partner)) addPair(c);
+  for (const TickContact& c : pairs.sensed)
+    if (isValid(world, c.source.partner)) addSensed(c, pairs);
   for (SoftBodyData* body : bodies)
     if (!body->sensors.empty()) reportSensors(*body);
   if (!anyInBullet) return;

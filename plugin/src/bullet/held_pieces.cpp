@@ -385,9 +385,9 @@ class StaticSurroundings {
     const Vector3d position = touched.onSurface();
     const Eigen::AlignedBox3d box(position.array() - radius, position.array() + radius);
     std::uint32_t owner = 0;
-    for (std::size_t p = 0; p < body.partners.size(); ++p)
-      if (!isMoved(*body.partners[p]) && isNear(body.heldPartners[p].box))
-        owner = addPieces(*body.partners[p], box, *body.shapes, owner, pieces);
+    for (const HeldPartner& held : body.heldPartners)
+      if (!isMoved(held.object()) && isNear(held.box))
+        owner = addPieces(held.object(), box, *body.shapes, owner, pieces);
   }
 
   bool covers(const Vector3d& normal) const {

@@ -275,9 +275,8 @@ void findApproaches(const AwakeGroups& groups, const TickContacts& found) {
   const auto note = [](SoftBodyData* body, double speed) {
     if (body) body->approach = std::max(body->approach, speed);
   };
-  for (std::size_t i = 0; i < found.contacts.size(); ++i) {
-    const Contact& c = found.contacts[i];
-    const ContactSource& source = found.sources[i];
+  for (const TickContact& c : found.contacts) {
+    const ContactSource& source = c.source;
     if (!source.body) continue;
     const double speed =
         c.normal.dot(velocityOf(c.b, source.other, found) - velocityOf(c.a, source.body, found));

@@ -123,13 +123,12 @@ void findWaysOut(SoftBodyData& body) {
   if (!isSurfaceBody(body) || !isSolid(body.model->topology)) return;
   const bool wasOverlapping = body.surface.overlapTicks > 0;
   bool fitted = false;
-  for (std::size_t p = 0; p < body.partners.size(); ++p) {
-    HeldPartner& held = body.heldPartners[p];
-    const btCollisionShape& shape = *body.partners[p]->getCollisionShape();
+  for (HeldPartner& held : body.heldPartners) {
+    const btCollisionShape& shape = *held.object().getCollisionShape();
     if (!(wasOverlapping || held.came) || held.solid == HeldPartner::kNoSolid || !shape.isConvex() ||
-        isAttached(body, *body.partners[p]))
+        isAttached(body, held.object()))
       continue;
-    const btTransform& pose = body.partners[p]->getWorldTransform();
+    const btTransform& pose = held.object().getWorldTransform();
     if (!fitted) fitPresentSurface(body);
     fitted = true;
     if (!overlaps(body, held, toEigen(pose.getOrigin()))) continue;

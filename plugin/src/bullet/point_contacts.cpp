@@ -21,7 +21,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 void forgetPartners(SoftBodyData& body) {
-  body.partners.clear();
+  body.heldPartners.clear();
   body.freePartners.clear();
   body.softPartners.clear();
 }
@@ -50,16 +50,23 @@ bool mayEnter(const Eigen::AlignedBox3d& box, const btCollisionObject& held) {
 
 /// Returns whether an object may enter the box (m) in the tick.
 bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body) {
-  const auto held = [&](const btCollisionObject* p) { return mayEnter(box, *p); };
+  const auto held = [&](const HeldPartner& p) { return mayEnter(box, p.object()); };
   const auto soft = [&](const SoftBodyData* other) { return box.intersects(presentBoundsOf(*other)); };
   return !body.freePartners.empty() ||
          std::any_of(body.softPartners.begin(), body.softPartners.end(), soft) ||
-         std::any_of(body.partners.begin(), body.partners.end(), held);
+         std::any_of(body.heldPartners.begin(), body.heldPartners.end(), held);
 }
 
 template <class T>
 void addOnce(std::vector<T>& list, T entry) {
   if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
+}
+
+/// Adds a static or kinematic object, which describePartner() completes.
+void addHeld(SoftBodyData& body, const btCollisionObject& object) {
+  const auto isThis = [&](const HeldPartner& held) { return held.handle.object == &object; };
+  if (std::none_of(body.heldPartners.begin(), body.heldPartners.end(), isThis))
+    body.heldPartners.emplace_back().handle = handleOf(object);
 }
 
 /// Adds the object to the list of its kind. Contacts between point masses of different bodies are in
@@ -70,10 +77,10 @@ void addPartner(SoftBodyData& body, btCollisionObject& object, double tick) {
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
     if (isSurfaceBody(body) && surface->owner()) addOnce(body.softPartners, surface->owner());
   } else if (isStaticOrKinematic(object)) {
-    addOnce<const btCollisionObject*>(body.partners, &object);
+    addHeld(body, object);
   } else if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(&object)) {
     if (isHeldLink(*link))
-      addOnce<const btCollisionObject*>(body.partners, &object);
+      addHeld(body, object);
     else
       addOnce<btRigidBody*>(body.freePartners, &body.links->bodyOf(*link));
   } else if (btRigidBody* rigid = btRigidBody::upcast(&object)) {
@@ -121,20 +128,20 @@ bool nothingIsNear(SoftBodyData& body, double tick) {
   return true;
 }
 
-template <class Object>
-void sortById(std::vector<Object*>& objects, std::size_t first = 0) {
-  std::sort(objects.begin() + static_cast<std::ptrdiff_t>(first), objects.end(),
-            [](const Object* a, const Object* b) {
-              return hasSmallerId(&objectInWorld(*a), &objectInWorld(*b));
-            });
+void sortHeld(SoftBodyData& body, std::size_t first = 0) {
+  std::sort(body.heldPartners.begin() + static_cast<std::ptrdiff_t>(first), body.heldPartners.end(),
+            [](const HeldPartner& a, const HeldPartner& b) { return a.handle.id < b.handle.id; });
 }
 
 void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
   forEachObjectIn(*body.world, box, [&](btCollisionObject& object) {
     if (canHit(body, object)) addPartner(body, object, tick);
   });
-  sortById(body.partners);
-  sortById(body.freePartners);
+  sortHeld(body);
+  std::sort(body.freePartners.begin(), body.freePartners.end(),
+            [](const btRigidBody* a, const btRigidBody* b) {
+              return hasSmallerId(&objectInWorld(*a), &objectInWorld(*b));
+            });
 }
 
 /// Excludes contacts of the points from Bullet's solver in this tick, including those not found yet; see
@@ -143,18 +150,16 @@ void disablePointResponse(SoftBodyData& body) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(-BT_LARGE_FLOAT);
 }
 
-void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
-  HeldPartner& held = body.heldPartners.emplace_back();
-  held.handle = handleOf(partner);
-  held.box = boxOf(partner);
+void describePartner(SoftBodyData& body, HeldPartner& held) {
+  held.box = boxOf(held.object());
   held.came =
       std::none_of(body.lastHeldPartners.begin(), body.lastHeldPartners.end(), [&](const HeldPartner& last) {
         return last.handle.object == held.handle.object && last.handle.id == held.handle.id &&
                last.box.min() == held.box.min() && last.box.max() == held.box.max();
       });
-  if (isMoved(partner)) {
-    held.stamp = stampOf(partner);
-  } else if (const std::optional<HeldPiece> solid = solidOf(partner)) {
+  if (isMoved(held.object())) {
+    held.stamp = stampOf(held.object());
+  } else if (const std::optional<HeldPiece> solid = solidOf(held.object())) {
     held.solid = body.held.pieces.size();
     body.held.pieces.push_back(*solid);
   }
@@ -162,15 +167,15 @@ void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
 
 /// Returns whether a body has static or kinematic partners in a box, and adds the new ones.
 bool addStaticPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
-  const std::size_t known = body.partners.size();
+  const std::size_t known = body.heldPartners.size();
   bool any = false;
   forEachObjectIn(*body.world, box, [&](const btCollisionObject& object) {
     if (isSoft(&object) || !isStaticOrKinematic(object) || !canHit(body, object)) return;
     any = true;
-    addOnce(body.partners, &object);
+    addHeld(body, object);
   });
-  sortById(body.partners, known);
-  for (std::size_t p = known; p < body.partners.size(); ++p) storePartner(body, *body.partners[p]);
+  sortHeld(body, known);
+  for (std::size_t p = known; p < body.heldPartners.size(); ++p) describePartner(body, body.heldPartners[p]);
   return any;
 }
 
@@ -184,7 +189,6 @@ class Watch final : public SearchWatch {
     tick_ = tick;
     on = false;
     rows.clear();
-    partners_.clear();
   }
 
   Regions regions() const override { return {&body_->masses.startPosition, &body_->searchDistance}; }
@@ -206,15 +210,10 @@ class Watch final : public SearchWatch {
   }
 
   void merge() override {
-    auto& own = body_->contacts;
-    auto& ownPartners = body_->contactPartners;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const auto index = std::upper_bound(own.begin(), own.end(), rows[r].point, isBefore) - own.begin();
-      own.insert(own.begin() + index, rows[r]);
-      ownPartners.insert(ownPartners.begin() + index, partners_[r]);
-    }
+    std::vector<PlaneContact>& own = body_->contacts;
+    for (const PlaneContact& row : rows)
+      own.insert(std::upper_bound(own.begin(), own.end(), row.point, isBefore), row);
     rows.clear();
-    partners_.clear();
   }
 
  private:
@@ -234,29 +233,22 @@ class Watch final : public SearchWatch {
     const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, remaining);
     addStaticPartners(*body_, searchRegion.box);
     found_.clear();
-    foundPartners_.clear();
-    swapRows(found_, foundPartners_);
+    // the gather functions add to the body's contacts
+    std::swap(body_->contacts, found_);
     addStaticRows(*body_, i, searchRegion, tick_);
-    for (std::size_t p = 0; p < body_->partners.size(); ++p) {
+    for (std::uint32_t p = 0; p < body_->heldPartners.size(); ++p) {
       // kinematic objects are at their pose of the start of the tick: shift the point to the same position
       // relative to them
-      const btCollisionObject& partner = *body_->partners[p];
-      const Eigen::Vector3d shifted = x - time / double(tick_) * kinematicDisplacement(partner, x);
-      body_->state.position.col(i) = shifted;
-      addRows(*body_, i, partner, body_->heldPartners[p].stamp, v, remaining, tick_);
+      const btCollisionObject& partner = body_->heldPartners[p].object();
+      body_->state.position.col(i) = x - time / double(tick_) * kinematicDisplacement(partner, x);
+      addRows(*body_, i, p, v, remaining, tick_);
     }
-    swapRows(found_, foundPartners_);
+    std::swap(body_->contacts, found_);
     body_->state.position.col(i) = x;
-    if (isFiltered(*body_)) filterPlanes(*body_, found_, foundPartners_);
+    if (isFiltered(*body_)) filterPlanes(*body_, found_, nullptr);
     replaceRows(i);
     const double covered = (x - body_->masses.startPosition.col(i)).norm() + searchRegion.distance;
     body_->searchDistance[i] = std::max(body_->searchDistance[i], covered);
-  }
-
-  /// Makes the gather functions add to `r` and `p`.
-  void swapRows(std::vector<PlaneContact>& r, std::vector<const btCollisionObject*>& p) {
-    std::swap(body_->contacts, r);
-    std::swap(body_->contactPartners, p);
   }
 
   /// Replaces the point's earlier contacts by the new ones, which get their impulses.
@@ -264,27 +256,23 @@ class Watch final : public SearchWatch {
     const ContactRange old = contactsOfPoint(rows, i);
     for (std::size_t r = old.begin; r < old.end; ++r)
       for (std::size_t n = 0; n < found_.size(); ++n)
-        if (foundPartners_[n] == partners_[r]) {
+        if (found_[n].partner == rows[r].partner) {
           found_[n].impulse += rows[r].impulse;
           break;
         }
-    const auto at = [](std::size_t n) { return static_cast<std::ptrdiff_t>(n); };
-    rows.erase(rows.begin() + at(old.begin), rows.begin() + at(old.end));
-    partners_.erase(partners_.begin() + at(old.begin), partners_.begin() + at(old.end));
-    rows.insert(rows.begin() + at(old.begin), found_.begin(), found_.end());
-    partners_.insert(partners_.begin() + at(old.begin), foundPartners_.begin(), foundPartners_.end());
+    const auto first = rows.begin() + static_cast<std::ptrdiff_t>(old.begin);
+    const auto next = rows.erase(first, first + static_cast<std::ptrdiff_t>(old.end - old.begin));
+    rows.insert(next, found_.begin(), found_.end());
   }
 
   SoftBodyData* body_;
   btScalar tick_ = 0;
-  std::vector<const btCollisionObject*> partners_;  // #rows
-  std::vector<PlaneContact> found_;                 // scratch
-  std::vector<const btCollisionObject*> foundPartners_;
+  std::vector<PlaneContact> found_;  // scratch
 };
 
-bool turns(const btCollisionObject* object) {
-  return isMoved(*object) &&
-         !(object->getWorldTransform().getBasis() == object->getInterpolationWorldTransform().getBasis());
+bool turns(const btCollisionObject& object) {
+  return isMoved(object) &&
+         !(object.getWorldTransform().getBasis() == object.getInterpolationWorldTransform().getBasis());
 }
 
 /// Sets the spins of a body: of each point the rigid rotation w that fits the velocities of its neighbours
@@ -330,12 +318,10 @@ Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
 
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
-  body.contactPartners.clear();
   body.held.pieces.clear();
   body.neighbourhoodCount = 0;
   body.localSpins.areKnown = false;
   std::swap(body.heldPartners, body.lastHeldPartners);
-  body.heldPartners.clear();
   body.speeds = contactSpeeds(body, double(tick));
   body.watch->start(tick);
   forgetPartners(body);
@@ -345,15 +331,18 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   const Eigen::AlignedBox3d box = searchBox(body, double(tick));
   if (!surface || !partnersCover(body, box)) queryPartners(body, box, double(tick));
   if (!surface) disablePointResponse(body);
-  if (surface && body.partners.empty()) return;
-  for (const btCollisionObject* partner : body.partners) storePartner(body, *partner);
+  if (surface && body.heldPartners.empty()) return;
+  for (HeldPartner& partner : body.heldPartners) describePartner(body, partner);
   findWaysOut(body);
-  const auto mayEnterBox = [&](const btCollisionObject* partner) { return mayEnter(box, *partner); };
-  body.watch->on = body.settings.continuousCollision &&
-                   std::any_of(body.partners.begin(), body.partners.end(), mayEnterBox);
-  const bool anyMoves = std::any_of(body.partners.begin(), body.partners.end(),
-                                    [](const btCollisionObject* partner) { return isMoved(*partner); });
-  body.localSpins.areKnown = anyMoves && std::any_of(body.partners.begin(), body.partners.end(), turns);
+  const auto anyPartner = [&](auto test) {
+    return std::any_of(body.heldPartners.begin(), body.heldPartners.end(),
+                       [&](const HeldPartner& partner) { return test(partner.object()); });
+  };
+  body.watch->on =
+      body.settings.continuousCollision &&
+      anyPartner([&](const btCollisionObject& partner) { return mayEnter(box, partner); });
+  const bool anyMoves = anyPartner(isMoved);
+  body.localSpins.areKnown = anyMoves && anyPartner(turns);
   if (body.localSpins.areKnown) findLocalSpins(body);
   // Bullet may free a manifold at any time after this function
   const auto forgetManifold = [&](std::uint32_t i) {
@@ -362,9 +351,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   for (std::uint32_t i = 0; i < pointCount(body); forgetManifold(i++)) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionAround(body, i, body.searchDistance[i]), tick);
-    for (std::size_t p = 0; anyMoves && p < body.partners.size(); ++p)
-      addRows(body, i, *body.partners[p], body.heldPartners[p].stamp, body.state.velocity.col(i),
-              double(tick), tick);
+    for (std::uint32_t p = 0; anyMoves && p < body.heldPartners.size(); ++p)
+      addRows(body, i, p, body.state.velocity.col(i), double(tick), tick);
   }
 }
 

@@ -168,10 +168,10 @@ bool isPushedOut(const SoftBodyData& body, const HeldPartner& held, std::uint32_
 /// Adds contacts of one point with the static partners of its body, within its search region in the tick (s).
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
 
-/// Adds contacts with a kinematic partner for a point that starts with a velocity and moves for `time` s of
-/// the tick. `stamp`: stampOf() the partner.
-void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
-             const Eigen::Vector3d& velocity, double time, btScalar tick);
+/// Adds contacts with a kinematic one of body.heldPartners for a point that starts with a velocity and moves
+/// for `time` s of the tick.
+void addRows(SoftBodyData& body, std::uint32_t i, std::uint32_t partner, const Eigen::Vector3d& velocity,
+             double time, btScalar tick);
 
 // --- contacts with dynamic objects -------------------------------------------------------------------------
 

@@ -455,6 +455,7 @@ void restoreImpulses(SoftBodyData& body, const BodyState& s) {
 }
 
 void restoreNear(SoftBodyData& body, const BodyState& s) {
+  body.contacts.clear();
   body.heldPartners.clear();
   for (std::size_t i = 0; i < s.near.size(); ++i) {
     const btCollisionObject* object = objectAt(body, s.near[i]);

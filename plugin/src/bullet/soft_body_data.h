@@ -114,6 +114,7 @@ struct HeldPartner {
   Eigen::AlignedBox3d box;  ///< m
   std::uint64_t stamp = 0;  ///< see stampOf(); 0 if the object is at rest
   bool came = true;         ///< it was not near in the last tick, or elsewhere, or of another size
+  const btCollisionObject& object() const { return *handle.object; }
 
   static constexpr std::size_t kNoSolid = static_cast<std::size_t>(-1);
   std::size_t solid = kNoSolid;  ///< index in SoftBodyData::held of its only piece, if it is
@@ -300,11 +301,10 @@ struct SoftBodyData : MotionMemory {
   PointMasses masses;
   SurfaceData surface;
   std::vector<Anchor> anchors;
-  std::vector<PlaneContact> contacts;                     ///< of the present tick, by point
-  std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
+  std::vector<PlaneContact> contacts;  ///< of the present tick, by point, with `heldPartners`
   HeldSurroundings held;  ///< pieces at rest near the body, see addStaticRows()
-  std::vector<std::pair<std::size_t, std::uint32_t>> staticPartners;  ///< scratch of one point: indices in
-                                                                      ///< `partners`, ends of their owners
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> staticPartners;  ///< scratch of one point: indices in
+                                                                      ///< `heldPartners`, ends of their owners
   std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;     ///< of points, in `held`; kept to reuse
                                                                       ///< the memory
   std::size_t neighbourhoodCount = 0;                                 ///< of the present tick
@@ -312,8 +312,7 @@ struct SoftBodyData : MotionMemory {
   std::vector<double> searchDistance;              ///< #points, m, of the search for contacts
   std::unique_ptr<SearchWatch> watch;              ///< finds contacts beyond the search distance
   ContactSpeeds speeds;                            ///< of the present tick
-  std::vector<const btCollisionObject*> partners;  ///< static and kinematic, near in this tick
-  std::vector<HeldPartner> heldPartners;           ///< #partners, or empty
+  std::vector<HeldPartner> heldPartners;           ///< static and kinematic, near in this tick
   std::vector<HeldPartner> lastHeldPartners;       ///< those of the last tick
   std::vector<ObjectHandle> sensors;               ///< near in this tick, see addSensor()
   std::vector<btRigidBody*> freePartners;          ///< near in this tick, neither static nor kinematic
@@ -419,6 +418,11 @@ inline const btRigidBody& materialOf(const SoftBodyData& body, std::uint32_t i) 
 
 /// Returns whether the body has triangles, edges or vertices that collide.
 inline bool hasSurface(const SoftBodyData& body) { return !body.model->topology.elements.empty(); }
+
+/// Returns the static or kinematic object of one of the body's contacts.
+inline const HeldPartner& partnerOf(const SoftBodyData& body, const PlaneContact& row) {
+  return body.heldPartners[row.partner];
+}
 
 /// Returns the body that has the object as its surface or a point, or nullptr.
 inline SoftBodyData* ownerOf(const btCollisionObject& object) {

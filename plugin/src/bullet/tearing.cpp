@@ -81,7 +81,6 @@ void forgetShape(SoftBodyData& body) {
   s.sweptBounds.tick = 0.0;
   if (s.shape) s.shape->setNetwork(*body.model->network);
   body.contacts.clear();
-  body.contactPartners.clear();
   body.heldPartners.clear();
   body.lastHeldPartners.clear();
   body.report = ContactReport();

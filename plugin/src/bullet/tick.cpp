@@ -171,9 +171,9 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
   shareSoftPartners(awake);
   if (parallel.isOn()) heldPairs.gather(moving, tick, rigidSurfaces, searches, parallel);
   searches.with([&](SurfaceSearch& search) {
-    for (SoftBodyData* body : moving)
-      if (!parallel.isOn() || !heldPairs.take(*body, pairs))
-        gatherMovingPairs(*body, tick, rigidSurfaces, search, pairs);
+    for (std::size_t i = 0; i < moving.size(); ++i)
+      if (!parallel.isOn() || !heldPairs.take(i, pairs))
+        gatherMovingPairs(*moving[i], tick, rigidSurfaces, search, pairs);
   });
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
   searches.with([&](SurfaceSearch& search) { addStoppedPairs(*world->getDispatcher(), pairs, search); });
@@ -185,7 +185,7 @@ void SoftBodySystem::Impl::WorldStep::filterContacts() {
   if (std::none_of(systems.begin(), systems.end(), [](const Impl* system) { return bool(system->filter); }))
     return;
   for (SoftBodyData* body : moving)
-    if (isFiltered(*body)) filterPlanes(*body, pairs);
+    if (isFiltered(*body)) filterPlanes(*body, body->contacts, &pairs);
   filterPairs(pairs, newIndex);
 }
 

@@ -80,6 +80,10 @@ struct ContactSource {
   std::uint64_t key = 0;             ///< of the features in contact, the same in every tick
 };
 
+struct TickContact : Contact {
+  ContactSource source;
+};
+
 /// The origin of a constraint row of a joint.
 struct JointSource {
   btTypedConstraint* constraint = nullptr;  ///< nullptr: rolling friction of a contact
@@ -107,10 +111,8 @@ struct SurfaceCandidate {
 /// rigid bodies by their index in `rigids`.
 struct TickContacts {
   std::vector<RigidPartner> rigids;
-  std::vector<Contact> contacts;
-  std::vector<ContactSource> sources;        ///< #contacts
-  std::vector<Contact> sensed;               ///< those that are only reported
-  std::vector<ContactSource> sensedSources;  ///< #sensed
+  std::vector<TickContact> contacts;
+  std::vector<TickContact> sensed;  ///< those that are only reported
   std::vector<SurfaceCandidate> candidates;
   std::vector<SurfaceCandidate> waiting;  ///< those that touch only if another body stops one of the two
   std::vector<btCollisionObject*> near;   ///< this and the next: scratch of addComingContacts()
@@ -123,7 +125,6 @@ struct TickContacts {
 
   std::uint32_t find(const btRigidBody& body) const;  ///< index of a body in the world, or kNone
   std::uint32_t add(btRigidBody& body);               ///< index of a body, which is added on first use
-  void add(const Contact& contact, const ContactSource& source);
   /// Removes all contents but keeps the memory. `comingTick`: length of the next tick, s.
   void clear(double comingTick = 0.0);
 
@@ -160,10 +161,6 @@ Eigen::Vector3d positionOf(const ContactPoint& point, const Points& positions);
 /// Sets the friction and restitution of two objects, by Bullet's callbacks, and the speeds of a contact.
 void setMaterial(ContactBase& contact, const btCollisionObject& a, const btCollisionObject& b,
                  const ContactSpeeds& speeds);
-
-/// Returns the handle of the partner of row `index` of the body's contacts with static and kinematic objects,
-/// or nullptr. Does not access the partner, which may be deleted.
-const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index);
 
 /// Starts the contacts of soft bodies from the impulses of the same features in the last tick.
 void warmStart(TickContacts& contacts);

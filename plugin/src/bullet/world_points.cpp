@@ -251,9 +251,8 @@ Eigen::Vector3d movingColumn(const PointMass& point, const Points& quantity) {
 /// them in an order that depends on earlier ticks.
 void sortLastContact(TickContacts& found, std::size_t first) {
   for (std::size_t i = found.contacts.size() - 1; i > first; --i) {
-    if (found.sources[i - 1].partner.id <= found.sources[i].partner.id) return;
+    if (found.contacts[i - 1].source.partner.id <= found.contacts[i].source.partner.id) return;
     std::swap(found.contacts[i - 1], found.contacts[i]);
-    std::swap(found.sources[i - 1], found.sources[i]);
   }
 }
 
@@ -271,8 +270,8 @@ void addIfNear(const PointMass& point, const PointMass& other, double tick, std:
     return;
   const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick, radiusSum);
   if (!(nearest.norm() > 0.0)) return;
-  found.add(contactOf(point, other, nearest.normalized(), offset, radiusSum),
-            {nullptr, point.owner(), other.owner(), handleOf(other), point.index()});
+  found.contacts.push_back({contactOf(point, other, nearest.normalized(), offset, radiusSum),
+                            {nullptr, point.owner(), other.owner(), handleOf(other), point.index()}});
   sortLastContact(found, first);
 }
 
@@ -348,8 +347,10 @@ bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject& partn
 bool hasRows(const PointMass& point, const btCollisionObject& partner) {
   const SoftBodyData& body = *point.owner();
   const ContactRange rows = contactsOfPoint(body.contacts, point.index());
-  const auto partners = body.contactPartners.data();
-  return std::find(partners + rows.begin, partners + rows.end, &partner) != partners + rows.end;
+  const PlaneContact* contacts = body.contacts.data();
+  return std::any_of(contacts + rows.begin, contacts + rows.end, [&](const PlaneContact& row) {
+    return partnerOf(body, row).handle.object == &partner;
+  });
 }
 
 }  // namespace
