@@ -269,6 +269,15 @@ namespace {
 
 bool isInWorld(const btRigidBody* object) { return object && object->isInWorld(); }
 
+/// Returns whether all of the body's objects are in its world, which still exists.
+bool wholeInWorld(const SoftBodyData& body) {
+  const auto isHere = [&](const btRigidBody* object) {
+    return isInWorld(object) && !isElsewhere(*object, *body.world);
+  };
+  if (isSurfaceBody(body)) return isHere(body.surface.object);
+  return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isHere);
+}
+
 void wakeRigid(btCollisionObject& object, bool insideTick) {
   if (object.isActive() || isStaticOrKinematic(object)) return;
   object.activate();
@@ -288,14 +297,6 @@ bool getsOut(SoftBodyData& body, btScalar tick) {
 bool anyInWorld(const SoftBodyData& body) {
   if (isSurfaceBody(body)) return isInWorld(body.surface.object);
   return std::any_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
-}
-
-bool wholeInWorld(const SoftBodyData& body) {
-  const auto isHere = [&](const btRigidBody* object) {
-    return isInWorld(object) && !isElsewhere(*object, *body.world);
-  };
-  if (isSurfaceBody(body)) return isHere(body.surface.object);
-  return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isHere);
 }
 
 bool isAlive(SoftBodyData& body) {

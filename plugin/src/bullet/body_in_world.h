@@ -95,9 +95,6 @@ void removeFromWorld(SoftBodyData& body);
 /// Returns whether any of the body's objects is in a world that still exists.
 bool anyInWorld(const SoftBodyData& body);
 
-/// Returns whether all of the body's objects are in its world, which still exists.
-bool wholeInWorld(const SoftBodyData& body);
-
 /// See SoftBody::alive(). Revives a body whose objects the user has taken out of the world and added again.
 bool isAlive(SoftBodyData& body);
 

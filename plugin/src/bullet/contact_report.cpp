@@ -118,6 +118,22 @@ void addSensed(TickContact c, const TickContacts& pairs) {
 
 // --- contacts of points that Bullet's solver handled -------------------------------------------------------
 
+/// Returns the soft body that has the object as its surface or a point, and sets `side` to the point of a
+/// contact on it. `index`: of its triangle, as Bullet reports it.
+SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
+  if (const PointReference point = findPoint(object); point.body) {
+    side = pointSide(point.index);
+    return point.body;
+  }
+  if (const SurfaceHit hit = surfaceHit(object, index, position); hit.body) {
+    side.points = hit.points;
+    side.weights = hit.weights;
+    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
+  }
+  const SoftBodyData* owner = ownerOf(*object);
+  return owner ? owner->handle : nullptr;
+}
+
 /// Returns a contact as seen from the manifold's first object, or from its second.
 SoftContact readContact(const btPersistentManifold& manifold, int point, bool fromFirst) {
   const btManifoldPoint& p = manifold.getContactPoint(point);
@@ -396,20 +412,6 @@ void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vect
 }
 
 }  // namespace
-
-SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
-  if (const PointReference point = findPoint(object); point.body) {
-    side = pointSide(point.index);
-    return point.body;
-  }
-  if (const SurfaceHit hit = surfaceHit(object, index, position); hit.body) {
-    side.points = hit.points;
-    side.weights = hit.weights;
-    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
-  }
-  const SoftBodyData* owner = ownerOf(*object);
-  return owner ? owner->handle : nullptr;
-}
 
 void findTriangles(SoftContact& contact) {
   const Eigen::Vector3d normal = toEigen(contact.normal);

@@ -56,10 +56,6 @@ void dropInvalidContacts(SoftBodyData& body);
 /// Returns the contacts with their triangles.
 const std::vector<SoftContact>& readReport(SoftBodyData& body);
 
-/// Returns the soft body that has the object as its surface or a point, and sets `side` to the point of a
-/// contact on it. `index`: of its triangle, as Bullet reports it.
-SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side);
-
 /// Finds the triangles of both sides of a contact.
 void findTriangles(SoftContact& contact);
 

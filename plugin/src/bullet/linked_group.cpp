@@ -304,13 +304,6 @@ void gatherGroup(LinkedGroup& group, btScalar tick) {
   }
 }
 
-void writeGroupToBullet(LinkedGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies)
-    (isSurfaceBody(*body) ? writeBoxToBullet : writeVelocitiesToBullet)(*body, tick);
-  for (std::size_t i = 0; i < group.rigids.size(); ++i)
-    writeRigidToBullet(group.rigids[i], group.step.links.rigids[i], tick);
-}
-
 void readGroupFromBullet(LinkedGroup& group, btScalar tick) {
   for (SoftBodyData* body : group.bodies)
     if (body->alive) (isSurfaceBody(*body) ? finishSurface : finishWorldPoints)(*body, tick);
@@ -367,8 +360,10 @@ void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work) {
     removeWaterMass(*body, double(tick));
     restoreIfUnsound(*body);
     countWork(*body, work);
+    (isSurfaceBody(*body) ? writeBoxToBullet : writeVelocitiesToBullet)(*body, tick);
   }
-  writeGroupToBullet(group, tick);
+  for (std::size_t i = 0; i < group.rigids.size(); ++i)
+    writeRigidToBullet(group.rigids[i], group.step.links.rigids[i], tick);
   if (!group.inIsland) numberIsland(group.bodies);
 }
 

@@ -86,7 +86,6 @@ void gatherBodies(LinkedGroup& group, btScalar tick);
 void surroundBodies(LinkedGroup& group, btScalar tick);         ///< after fields
 bool updateBroadphaseBoxes(LinkedGroup& group, btScalar tick);  ///< returns whether any has changed
 void gatherGroup(LinkedGroup& group, btScalar tick);
-void writeGroupToBullet(LinkedGroup& group, btScalar tick);
 void readGroupFromBullet(LinkedGroup& group, btScalar tick);
 
 // --- sleep -------------------------------------------------------------------------------------------------

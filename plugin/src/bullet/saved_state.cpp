@@ -165,13 +165,6 @@ struct BodyState : MotionMemory {
   std::vector<double> contact;              ///< 20 x #contacts(), see numbersOf()
 };
 
-template <class Stream, class Rates>
-void transferRates(Stream& stream, Rates& rates) {
-  stream.value("rates", rates.boundSquared);
-  stream.value("rates", rates.fastestSquared);
-  stream.value("rates", rates.turnRate);
-}
-
 template <class Stream, class State>
 void transferState(Stream& stream, State& s) {
   stream.value("network", s.network);
@@ -193,8 +186,9 @@ void transferState(Stream& stream, State& s) {
   for (auto* number : {&s.calmTime, &s.softenedTo, &s.resolved, &s.errorPerSecond, &s.errorCoefficient})
     stream.value("measures", *number);
   stream.array("inverse masses", s.softenedMass);
-  transferRates(stream, s.rateHistory.now);
-  transferRates(stream, s.rateHistory.before);
+  for (auto* rates : {&s.rateHistory.now, &s.rateHistory.before})
+    for (auto* rate : {&rates->boundSquared, &rates->fastestSquared, &rates->turnRate})
+      stream.value("rates", *rate);
   stream.value("age", s.rateHistory.age);
   for (auto* flag : {&s.energyLimit.on, &s.energyLimit.persists, &s.energyLimit.forceScaled})
     transferFlag(stream, "energy limit", *flag);

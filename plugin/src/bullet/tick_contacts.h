@@ -336,11 +336,14 @@ class MultiBodyLinks {
     Numbers start, change;  ///< its velocities before Bullet's part of the tick, and what that has added
   };
 
+  struct Joint;
+
   LinkBody& bodyOf(btMultiBody& multiBody, int link);
   void addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found);
-  bool findSides(btMultiBody& multiBody, int link, TickContacts& found, JointConstraint& row);
-  void addJoint(btMultiBody& multiBody, int link, TickContacts& found);
-  void addTorques(btMultiBody& multiBody, int link);
+  Joint jointOf(btMultiBody& multiBody, int link);
+  bool findSides(const Joint& joint, TickContacts& found, JointConstraint& row);
+  void addJoint(const Joint& joint, TickContacts& found);
+  void addTorques(const Joint& joint);
   void addDrives(btMultiBody& multiBody, TickContacts& found);
   void addDrive(btMultiBody& multiBody, btMultiBodyConstraint& drive, TickContacts& found);
   void addDriveRows(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
@@ -348,7 +351,8 @@ class MultiBodyLinks {
   void addComingLimits(btMultiBody& multiBody, btMultiBodyConstraint& limit, TickContacts& found);
   void addDriveRow(btMultiBody& multiBody, Drive drive, int link, int degree, const JointConstraint& limits,
                    TickContacts& found);
-  void prepareInertias(btMultiBody& multiBody);
+  void accelerate(btMultiBody& multiBody, btScalar time);
+  void findLinkVelocities(btMultiBody& multiBody);
   bool collectImpulses(btMultiBody& multiBody);
   Numbers changeByImpulses(btMultiBody& multiBody);
   Numbers meanVelocities(btMultiBody& multiBody, const TickContacts& found);
