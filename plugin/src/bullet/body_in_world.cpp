@@ -6,8 +6,6 @@
 #include "bullet/body_in_world.h"
 
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/surface_body.h"
 #include "solver/midpoint_solver.h"
 #include "solver/stepping_choice.h"
 

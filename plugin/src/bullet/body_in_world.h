@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares how a body is made, changed, divided and saved, added to the world and removed from it,
-// put to sleep and woken. Each function handles both Collision::Points and Collision::Surface.
+// This header declares how a body is made, changed, divided and saved, added to the world and removed from
+// it, put to sleep and woken. Each function handles both Collision::Points and Collision::Surface.
 
 #pragma once
 

@@ -139,7 +139,8 @@ inline bool arePaired(const btDynamicsWorld& world, const btCollisionObject& one
          const_cast<btDynamicsWorld&>(world).getPairCache()->needsBroadphaseCollision(first, second);
 }
 
-/// Unique in the broadphase. The order of what the broadphase finds depends on earlier ticks, so it is sorted.
+/// Unique in the broadphase. The order of what the broadphase finds depends on earlier ticks, so it is
+/// sorted.
 inline int idOf(const btCollisionObject& object) { return object.getBroadphaseHandle()->m_uniqueId; }
 inline bool hasSmallerId(const btCollisionObject* a, const btCollisionObject* b) {
   return idOf(*a) < idOf(*b);

@@ -4,10 +4,6 @@
 // on it.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "mesh/linear_algebra.h"
 
 #include <limber/contacts.h>

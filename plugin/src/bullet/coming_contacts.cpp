@@ -4,7 +4,6 @@
 // one tick later. Until then a stiff spring may have thrown a board against the box above it, deep into it.
 // A touch with the side of a tile that is level with those below the body is none: the body slides on.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"

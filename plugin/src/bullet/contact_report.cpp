@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Zlib
 
 // This file fills the contact reports of bodies after a tick from the plane contacts of points, the contacts
-// between bodies, Bullet's manifolds and sensors. It finds the triangles of the contacts when a report is read,
-// and reads contacts from manifolds for users.
+// between bodies, Bullet's manifolds and sensors. It finds the triangles of the contacts when a report is
+// read, and reads contacts from manifolds for users.
 
 #include "bullet/contact_report.h"
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
 
 #include <algorithm>
@@ -112,7 +111,8 @@ Vector3d displacementOf(const ContactPoint& p, const SoftBodyData* body, const T
 
 /// Adds a contact that has not acted. Its gap is that of the tick's start.
 void addSensed(TickContact c, const TickContacts& pairs) {
-  c.gap += c.normal.dot(displacementOf(c.a, c.source.body, pairs) - displacementOf(c.b, c.source.other, pairs));
+  c.gap +=
+      c.normal.dot(displacementOf(c.a, c.source.body, pairs) - displacementOf(c.b, c.source.other, pairs));
   addPair(c);
 }
 

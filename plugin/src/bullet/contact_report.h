@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares how users see contacts: their filter, and the three ways to report contacts: the report
-// of each body, the calls of a listener, and manifolds in Bullet's dispatcher.
+// This header declares how users see contacts: their filter, and the three ways to report contacts: the
+// report of each body, the calls of a listener, and manifolds in Bullet's dispatcher.
 
 #pragma once
 

@@ -4,7 +4,6 @@
 // flat. It also tells which contacts of surfaces with these objects count: those with edges and corners that
 // the contacts of the points do not cover.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"

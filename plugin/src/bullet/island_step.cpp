@@ -203,8 +203,8 @@ void reportLateContacts(Island& island, TickContacts& found) {
   const std::size_t first = island.contacts.size() + island.rows.size();
   for (std::size_t i = 0; i < island.late.size(); ++i) {
     const SurfaceCandidate& candidate = *island.candidates[island.late[i].candidate].surfaces;
-    TickContact& contact =
-        found.contacts.emplace_back(TickContact{island.step.pairs.contacts[first + i], island.late[i].source});
+    TickContact& contact = found.contacts.emplace_back(
+        TickContact{island.step.pairs.contacts[first + i], island.late[i].source});
     contact.a.body = candidate.body->index;
     if (candidate.other) contact.b.body = candidate.other->index;
     if (candidate.partner) contact.b.body = found.find(*candidate.partner);

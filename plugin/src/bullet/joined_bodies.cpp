@@ -3,9 +3,7 @@
 // This file joins soft bodies to rigid bodies, to each other and to the bones of characters.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/rigid_shapes.h"
-#include "bullet/soft_body_data.h"
 #include "bullet/system_impl.h"
 #include "mesh/linear_algebra.h"
 

@@ -6,10 +6,7 @@
 
 #include "bullet/kinematic_motion.h"
 
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,7 @@
 #include "bullet/linked_group.h"
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/surface_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -229,7 +227,8 @@ bool isWhole(const LinkedGroup& group) {
 }
 
 void gatherBodies(LinkedGroup& group, btScalar tick) {
-  for (SoftBodyData* body : group.bodies) (isSurfaceBody(*body) ? gatherSurface : gatherWorldPoints)(*body, tick);
+  for (SoftBodyData* body : group.bodies)
+    (isSurfaceBody(*body) ? gatherSurface : gatherWorldPoints)(*body, tick);
 }
 
 void surroundBodies(LinkedGroup& group, btScalar tick) {
@@ -254,37 +253,27 @@ void placeEnds(LinkSpring& link, const SpringConstraint& spring, double tick) {
   gather(link.b, spring.endB());
 }
 
-/// Squared errors (m^2) of the links of points with a held body, at two of its poses.
-struct LinkErrors {
-  double atPlace = 0.0, atLastPose = 0.0;
-
-  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& place, const Eigen::Vector3d& last,
-           double length) {
-    atPlace += std::pow((point - place).norm() - length, 2);
-    atLastPose += std::pow((point - last).norm() - length, 2);
-  }
-};
-
 /// Returns whether the links of points with a held body fit where it was placed much better than where it
 /// was: the user has placed both together. Otherwise the body pulls its points over within the tick.
 bool isPlacedWithItsPoints(const LinkedGroup& group, std::uint32_t rigid) {
   const RigidPartner& partner = group.rigids[rigid];
   if (!partner.held) return false;
   const btTransform& place = partner.body->getWorldTransform();
-  LinkErrors errors;
+  double atPlace = 0.0, atLastPose = 0.0;  // m^2, squared errors of the links
   const auto add = [&](const LinkEnd& point, const LinkEnd& pivot, double length) {
     if (point.kind != LinkEnd::Kind::Point || pivot.kind != LinkEnd::Kind::Rigid || pivot.body != rigid)
       return;
-    errors.add(group.bodies[point.body]->state.position.col(point.point),
-               toEigen(place(toBullet(pivot.pivot))),
-               partner.start.position + partner.start.rotation * pivot.pivot, length);
+    const Eigen::Vector3d x = group.bodies[point.body]->state.position.col(point.point);
+    const Eigen::Vector3d last = partner.start.position + partner.start.rotation * pivot.pivot;
+    atPlace += std::pow((x - toEigen(place(toBullet(pivot.pivot)))).norm() - length, 2);
+    atLastPose += std::pow((x - last).norm() - length, 2);
   };
   for (const LinkAnchor& anchor : group.step.links.anchors) add(anchor.point, anchor.pivot, 0.0);
   for (const LinkSpring& spring : group.step.links.springs) {
     add(spring.a, spring.b, spring.restLength);
     add(spring.b, spring.a, spring.restLength);
   }
-  return 4.0 * errors.atPlace < errors.atLastPose;
+  return 4.0 * atPlace < atLastPose;
 }
 
 void gatherSpring(LinkSpring& link, const SpringConstraint& spring, double tick) {

@@ -3,9 +3,7 @@
 // This file makes rigid bodies and joints from the links of multibodies for a tick, and applies the resulting
 // impulses and motions to the multibodies.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/linear_algebra.h"
 
@@ -223,8 +221,7 @@ void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touche
     body.setBroadphaseHandle(touched.getBroadphaseHandle());
     body.forceActivationState(touched.getActivationState());
   }
-  for (int link = 0; link < multiBody.getNumLinks(); ++link)
-    addJoint(jointOf(multiBody, link), found);
+  for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(jointOf(multiBody, link), found);
   if (!world_) return;
   const bool alone = isAlone(multiBody);
   if (!alone) supported_.push_back({&multiBody, forcesOn(multiBody), {}, {}});
@@ -352,8 +349,8 @@ void MultiBodyLinks::addComingLimits(btMultiBody& multiBody, btMultiBodyConstrai
 void MultiBodyLinks::addDriveRow(btMultiBody& multiBody, Drive drive, int link, int degree,
                                  const JointConstraint& limits, TickContacts& found) {
   const Joint joint = jointOf(multiBody, link);
-  JointConstraint row = rowAlong(
-      inWorld(joint.basis(), drive.share * ratesOf(joint.link).col(degree)), joint.arm());
+  JointConstraint row =
+      rowAlong(inWorld(joint.basis(), drive.share * ratesOf(joint.link).col(degree)), joint.arm());
   if (!findSides(joint, found, row)) return;
   row.speed = limits.speed, row.lower = limits.lower, row.upper = limits.upper;
   drive.row = found.joints.size();

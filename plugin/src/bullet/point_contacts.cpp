@@ -5,12 +5,9 @@
 // region. It gets bodies out of solids into which they have been placed.
 
 #include "bullet/point_contacts.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 
 #include <algorithm>
@@ -468,9 +465,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
     return std::any_of(body.heldPartners.begin(), body.heldPartners.end(),
                        [&](const HeldPartner& partner) { return test(partner.object()); });
   };
-  body.watch->on =
-      body.settings.continuousCollision &&
-      anyPartner([&](const btCollisionObject& partner) { return mayEnter(box, partner); });
+  body.watch->on = body.settings.continuousCollision &&
+                   anyPartner([&](const btCollisionObject& partner) { return mayEnter(box, partner); });
   const bool anyMoves = anyPartner(isMoved);
   body.localSpins.areKnown = anyMoves && anyPartner(turns);
   if (body.localSpins.areKnown) findLocalSpins(body);

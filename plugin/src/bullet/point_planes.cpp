@@ -232,8 +232,8 @@ void addNearestRows(PlaneRows& rows) {
   };
   const btCollisionShape& shape = *rows.partner.getCollisionShape();
   if (!addNearest(shape, pose))
-    findContacts(body, rows.point, rows.partner,
-                 distance + (surfaceBody ? roundingOf(shape) : btScalar(0)), addFound);
+    findContacts(body, rows.point, rows.partner, distance + (surfaceBody ? roundingOf(shape) : btScalar(0)),
+                 addFound);
   if (surfaceBody && stamp != 0 && count == 1) body.surface.contacts[rows.point] = only;
 }
 
@@ -422,7 +422,8 @@ void addRows(SoftBodyData& body, std::uint32_t i, std::uint32_t number, const Ve
   const btCollisionShape& shape = *partner.getCollisionShape();
   const btTransform& pose = partner.getWorldTransform();
   const bool surfaceBody = isSurfaceBody(body);
-  if (const std::optional<HeldPiece> solid = isPlane(partner) || surfaceBody ? solidOf(shape, pose) : std::nullopt)
+  if (const std::optional<HeldPiece> solid =
+          isPlane(partner) || surfaceBody ? solidOf(shape, pose) : std::nullopt)
     return rows.addBelow(nearestOn(&*solid, &*solid + 1, rows.position()));
   if (surfaceBody && body.surface.contacts.empty()) body.surface.contacts.resize(pointCount(body));
   const bool isSlow = distance <= kSlowSearchDistance * rows.radius();

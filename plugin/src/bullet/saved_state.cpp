@@ -6,9 +6,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
 #include "bullet/linked_group.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/bytes.h"
 
@@ -442,8 +439,8 @@ void restoreImpulses(SoftBodyData& body, const BodyState& s) {
     const btCollisionObject* object = objectAt(body, s.touched[i]);
     if (!object) continue;
     const double* j = s.impulse.data() + 4 * i;
-    body.storedImpulses.push_back({idOf(*object), object, s.key[i],
-                                   ContactImpulse{j[0], Eigen::Vector3d(j[1], j[2], j[3])}});
+    body.storedImpulses.push_back(
+        {idOf(*object), object, s.key[i], ContactImpulse{j[0], Eigen::Vector3d(j[1], j[2], j[3])}});
   }
   sortImpulses(body.storedImpulses);
 }

@@ -3,10 +3,8 @@
 // This file puts groups to sleep and wakes them.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "bullet/surface_body.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,11 +5,7 @@
 #include <limber/soft_body.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "mesh/surface.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"

@@ -302,21 +302,22 @@ struct SoftBodyData : MotionMemory {
   SurfaceData surface;
   std::vector<Anchor> anchors;
   std::vector<PlaneContact> contacts;  ///< of the present tick, by point, with `heldPartners`
-  HeldSurroundings held;  ///< pieces at rest near the body, see addStaticRows()
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> staticPartners;  ///< scratch of one point: indices in
-                                                                      ///< `heldPartners`, ends of their owners
-  std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;     ///< of points, in `held`; kept to reuse
-                                                                      ///< the memory
-  std::size_t neighbourhoodCount = 0;                                 ///< of the present tick
+  HeldSurroundings held;               ///< pieces at rest near the body, see addStaticRows()
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      staticPartners;                                              ///< scratch of one point: indices in
+                                                                   ///< `heldPartners`, ends of their owners
+  std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;  ///< of points, in `held`; kept to reuse
+                                                                   ///< the memory
+  std::size_t neighbourhoodCount = 0;                              ///< of the present tick
   LocalSpins localSpins;
-  std::vector<double> searchDistance;              ///< #points, m, of the search for contacts
-  std::unique_ptr<SearchWatch> watch;              ///< finds contacts beyond the search distance
-  ContactSpeeds speeds;                            ///< of the present tick
-  std::vector<HeldPartner> heldPartners;           ///< static and kinematic, near in this tick
-  std::vector<HeldPartner> lastHeldPartners;       ///< those of the last tick
-  std::vector<ObjectHandle> sensors;               ///< near in this tick, see addSensor()
-  std::vector<btRigidBody*> freePartners;          ///< near in this tick, neither static nor kinematic
-  std::vector<SoftBodyData*> softPartners;         ///< near in this tick, with surfaces
+  std::vector<double> searchDistance;         ///< #points, m, of the search for contacts
+  std::unique_ptr<SearchWatch> watch;         ///< finds contacts beyond the search distance
+  ContactSpeeds speeds;                       ///< of the present tick
+  std::vector<HeldPartner> heldPartners;      ///< static and kinematic, near in this tick
+  std::vector<HeldPartner> lastHeldPartners;  ///< those of the last tick
+  std::vector<ObjectHandle> sensors;          ///< near in this tick, see addSensor()
+  std::vector<btRigidBody*> freePartners;     ///< near in this tick, neither static nor kinematic
+  std::vector<SoftBodyData*> softPartners;    ///< near in this tick, with surfaces
   ContactReport report;
   std::vector<Tear> tears;                    ///< of the last tick and since
   std::vector<BrokenAnchor> brokenAnchors;    ///< in the last tick

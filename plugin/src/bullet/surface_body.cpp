@@ -6,9 +6,7 @@
 #include "bullet/surface_body.h"
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/soft_body_data.h"
 
 #include <cmath>
 

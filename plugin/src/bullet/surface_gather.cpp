@@ -5,7 +5,6 @@
 
 #include "bullet/surface_gather.h"
 
-#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"

@@ -4,11 +4,7 @@
 // of the points, and changes of the object move the points.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "mesh/linear_algebra.h"
 
 #include <Eigen/Cholesky>

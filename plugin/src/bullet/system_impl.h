@@ -12,6 +12,7 @@
 
 #include <limber/soft_body_system.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 
@@ -23,6 +24,12 @@ void warnOnStandardError(const std::string& text);
 
 /// Returns whether a place in a body's coordinates may be the end of a spring or anchor.
 bool isValidPivot(const btVector3& place);
+
+/// Returns the entry of a list that owns the object, or the list's end.
+template <class Owners, class Object>
+auto findOwner(Owners& owners, const Object* object) {
+  return std::find_if(owners.begin(), owners.end(), [&](const auto& owner) { return owner.get() == object; });
+}
 
 /// The implementation of SoftBodySystem. The user's functions are in soft_body_system.cpp, the tick is in
 /// tick.cpp.

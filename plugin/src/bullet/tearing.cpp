@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file decides where bodies tear and what a cut separates, and gives a living body the network into which
-// its own has separated.
+// This file decides where bodies tear and what a cut separates, and gives a living body the network into
+// which its own has separated.
 
 #include "bullet/body_in_world.h"
 #include "solver/split.h"
@@ -103,8 +103,7 @@ Result<void> takeSplit(SoftBodyData& body, const SplitNetwork& split) {
   readFromBullet(body);
   const std::shared_ptr<const BodyModel> before = std::exchange(body.model, *model);
   body.settings = settings;
-  takeConstants(
-      body, [&](SpringArrays& springs) { carrySprings(body, *before, split.springOf, springs); });
+  takeConstants(body, [&](SpringArrays& springs) { carrySprings(body, *before, split.springOf, springs); });
   body.surface.freed = true;
   sharePoints(body, *before, split.pointOf);
   dividePointMasses(body, split.pointOf, before->masses);

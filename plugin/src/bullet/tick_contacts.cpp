@@ -8,9 +8,6 @@
 
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 
 #include <algorithm>
 #include <functional>

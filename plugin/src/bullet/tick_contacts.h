@@ -31,8 +31,8 @@ struct StoredImpulse;
 
 // --- rigid bodies that the step moves ----------------------------------------------------------------------
 
-// Between read and write of a tick the step moves the rigid bodies that soft bodies touch or that are attached
-// to them, not Bullet.
+// Between read and write of a tick the step moves the rigid bodies that soft bodies touch or that are
+// attached to them, not Bullet.
 
 /// A rigid body of the user in a link or contact with soft bodies. It is stepped in the substeps. Like a
 /// point mass, it then gets its mean velocity in the tick.

@@ -348,9 +348,8 @@ bool hasRows(const PointMass& point, const btCollisionObject& partner) {
   const SoftBodyData& body = *point.owner();
   const ContactRange rows = contactsOfPoint(body.contacts, point.index());
   const PlaneContact* contacts = body.contacts.data();
-  return std::any_of(contacts + rows.begin, contacts + rows.end, [&](const PlaneContact& row) {
-    return partnerOf(body, row).handle.object == &partner;
-  });
+  return std::any_of(contacts + rows.begin, contacts + rows.end,
+                     [&](const PlaneContact& row) { return partnerOf(body, row).handle.object == &partner; });
 }
 
 }  // namespace
