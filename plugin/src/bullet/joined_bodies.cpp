@@ -27,12 +27,6 @@ namespace {
 
 Error foreignBody() { return {"the soft body is not, or no longer, in this world"}; }
 
-Anchor anchorOf(std::uint32_t i, btRigidBody& body, const btVector3& pivot, double breakForce) {
-  Anchor anchor{i, &body, pivot};
-  anchor.breakForce = breakForce;
-  return anchor;
-}
-
 /// Returns whether a place is inside a convex shape, or one of a compound, by more than `depth` (m).
 bool isInside(const btCollisionShape& shape, const btTransform& pose, const Eigen::Vector3d& place,
               double depth) {
@@ -76,11 +70,6 @@ std::shared_ptr<const std::vector<std::uint32_t>> pointsInside(const SoftBody& s
   }
   std::sort(inside.begin(), inside.end());
   return std::make_shared<const std::vector<std::uint32_t>>(std::move(inside));
-}
-
-/// Where the point is now.
-btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body) {
-  return body.getWorldTransform().inverse() * toBullet(softBody.position(i));
 }
 
 }  // namespace
@@ -127,7 +116,7 @@ Result<void> SoftBodySystem::Impl::attach(SoftBody* softBody, std::vector<Anchor
 
 Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot, double breakForce) {
-  return impl_->attach(softBody, {anchorOf(i, body, pivot, breakForce)});
+  return impl_->attach(softBody, {Anchor{i, &body, pivot, breakForce}});
 }
 
 Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
@@ -141,7 +130,9 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, const std::vector<std::u
   std::vector<Anchor> anchors;
   for (const std::uint32_t i : points) {
     if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
-    anchors.push_back(anchorOf(i, body, pivotAt(*softBody, i, body), breakForce));
+    // where the point is now
+    const btVector3 pivot = body.getWorldTransform().inverse() * toBullet(softBody->position(i));
+    anchors.push_back({i, &body, pivot, breakForce});
   }
   return impl_->attach(softBody, std::move(anchors));
 }

@@ -193,13 +193,6 @@ void shareMass(const SoftBodyData& body, PointMass& point, std::uint32_t i, btSc
     point.setMassProps(mass, inertiaOf(body, mass));
 }
 
-/// Returns the mass of a point, of a pinned one that of before, exactly that of the settings if it is.
-btScalar presentMass(const PointMass& point, double ofSettings) {
-  const auto own = static_cast<btScalar>(ofSettings);
-  if (point.isKinematicObject()) return point.massBeforePin;
-  return point.getInvMass() == btScalar(1) / own ? own : point.getMass();
-}
-
 /// Makes the body of a new point like that of the point which it comes from.
 PointMass* copyOf(SoftBodyData& body, std::uint32_t i, const PointMass& from) {
   PointMass* point = makeBody(body, i);
@@ -229,6 +222,12 @@ void addCopyToWorld(const SoftBodyData& body, PointMass& point, const PointMass&
 }
 
 }  // namespace
+
+btScalar presentMass(const PointMass& point, double ofSettings) {
+  const auto own = static_cast<btScalar>(ofSettings);
+  if (point.isKinematicObject()) return point.massBeforePin;
+  return point.getInvMass() == btScalar(1) / own ? own : point.getMass();
+}
 
 void dividePointMasses(SoftBodyData& body, const std::vector<std::uint32_t>& pointOf,
                        const std::vector<double>& massBefore) {

@@ -260,10 +260,8 @@ void savePoints(const SoftBodyData& body, BodyState& s) {
     if (!body.masses.bodies[i]) continue;  // deleted by the application
     const PointMass& point = *body.masses.bodies[i];
     s.pinned[i] = point.isKinematicObject();
-    const btScalar own = static_cast<btScalar>(body.model->masses[i]);
-    const btScalar mass = s.pinned[i] ? point.massBeforePin : point.getMass();
-    // setMassProps() and getMass() round
-    if (mass != own && point.getInvMass() != btScalar(1) / own) s.mass[i] = double(mass);
+    const btScalar mass = presentMass(point, s.mass[i]);
+    if (mass != static_cast<btScalar>(s.mass[i])) s.mass[i] = double(mass);
     for (int axis = 0; axis < 3 && s.pinned[i]; ++axis)
       s.pinTarget[3 * std::size_t{i} + static_cast<std::size_t>(axis)] =
           double(point.getWorldTransform().getOrigin()[axis]);

@@ -58,6 +58,14 @@ namespace {
 
 Eigen::Vector3d noVector() { return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
+Error noPoint(const SoftBody& body, std::uint32_t i) {
+  const std::string point = "point " + std::to_string(i);
+  if (i < body.pointCount()) return {point + " has been deleted"};
+  return {"there is no " + point + ": the body has " + std::to_string(body.pointCount()) + " points"};
+}
+
+Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
+
 /// Writes positionOf(i) for all points.
 template <class PositionOf>
 void writeEach(const SoftBodyData& body, PositionOf positionOf, float* xyz) {
@@ -157,18 +165,6 @@ Result<void> SoftBody::exportSprings(const std::string& file) const {
   for (std::uint32_t i = 0; i < pointCount(); ++i) points.push_back(position(i));
   return saveSprings(network(), points, file);
 }
-
-namespace {
-
-Error noPoint(const SoftBody& body, std::uint32_t i) {
-  const std::string point = "point " + std::to_string(i);
-  if (i < body.pointCount()) return {point + " has been deleted"};
-  return {"there is no " + point + ": the body has " + std::to_string(body.pointCount()) + " points"};
-}
-
-Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
-
-}  // namespace
 
 Result<void> SoftBody::pin(std::uint32_t i) {
   if (!point(i)) return noPoint(*this, i);

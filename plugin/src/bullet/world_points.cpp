@@ -380,21 +380,13 @@ void disableBulletResponse(btDispatcher& dispatcher) {
 
 // --- spheres against boxes ---------------------------------------------------------------------------------
 
-namespace {
-
-/// `swapped`: the second of the two objects is the sphere.
-btSphereBoxCollisionAlgorithm::CreateFunc makeCreateFunction(bool swapped) {
-  btSphereBoxCollisionAlgorithm::CreateFunc create;
-  create.m_swapped = swapped;
-  return create;
-}
-
-}  // namespace
-
 void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher) {
   // a dispatcher stores only pointers, and may exist until the program ends; these objects never change
-  static btSphereBoxCollisionAlgorithm::CreateFunc sphereBox = makeCreateFunction(false),
-                                                   boxSphere = makeCreateFunction(true);
+  static btSphereBoxCollisionAlgorithm::CreateFunc sphereBox, boxSphere = [] {
+    btSphereBoxCollisionAlgorithm::CreateFunc create;
+    create.m_swapped = true;  // the second of the two objects is the sphere
+    return create;
+  }();
   dispatcher.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, &sphereBox);
   dispatcher.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, SPHERE_SHAPE_PROXYTYPE, &boxSphere);
 }
