@@ -7,7 +7,6 @@
 
 #include "bullet/point_contacts.h"
 #include "solver/midpoint_solver.h"
-#include "solver/stepping_choice.h"
 
 #include <algorithm>
 #include <cstdio>

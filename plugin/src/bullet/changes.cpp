@@ -6,9 +6,6 @@
 #include "bullet/body_in_world.h"
 #include "mesh/linear_algebra.h"
 
-#include <limber/contacts.h>
-#include <limber/soft_body.h>
-
 #include <Eigen/LU>
 
 #include <algorithm>

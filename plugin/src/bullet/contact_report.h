@@ -9,8 +9,6 @@
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
 
-#include <limber/contact_filter.h>
-#include <limber/contacts.h>
 #include <limber/soft_body_system.h>
 
 #include <memory>

@@ -6,10 +6,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "solver/point_state.h"
-#include "solver/springs.h"
-#include "solver/stepping_choice.h"
-#include "solver/volumes.h"
 
 #include <algorithm>
 #include <cmath>

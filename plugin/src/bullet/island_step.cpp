@@ -3,8 +3,6 @@
 // This file steps an island, limits the energy that joints add, and writes the result to Bullet.
 
 #include "bullet/linked_group.h"
-#include "solver/point_state.h"
-#include "solver/springs.h"
 
 #include <algorithm>
 #include <cmath>

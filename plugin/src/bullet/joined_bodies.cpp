@@ -8,7 +8,6 @@
 #include "mesh/linear_algebra.h"
 
 #include <limber/skeleton.h>
-#include <limber/soft_body_system.h>
 
 #include <algorithm>
 #include <cmath>

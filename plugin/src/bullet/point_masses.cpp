@@ -6,7 +6,6 @@
 #include "bullet/point_masses.h"
 
 #include "bullet/body_in_world.h"
-#include "solver/springs.h"
 
 #include <cmath>
 

@@ -7,7 +7,6 @@
 #include "bullet/point_contacts.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/surface.h"
-#include "solver/point_state.h"
 
 #include <algorithm>
 #include <optional>

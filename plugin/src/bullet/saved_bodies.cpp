@@ -7,9 +7,6 @@
 #include "bullet/system_impl.h"
 #include "mesh/bytes.h"
 
-#include <limber/soft_body.h>
-#include <limber/soft_body_system.h>
-
 #include <LinearMath/btSerializer.h>
 
 #include <algorithm>

@@ -9,8 +9,6 @@
 #include "bullet/tick_contacts.h"
 #include "mesh/bytes.h"
 
-#include <limber/soft_body.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>

@@ -7,11 +7,7 @@
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
 #include "mesh/surface.h"
-#include "solver/point_state.h"
-#include "solver/springs.h"
-#include "solver/verlet_step.h"
 
-#include <limber/contacts.h>
 #include <limber/network_builder.h>
 
 #include <algorithm>

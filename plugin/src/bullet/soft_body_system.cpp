@@ -10,9 +10,6 @@
 #include "bullet/system_impl.h"
 #include "bullet/tick_hook.h"
 
-#include <limber/contacts.h>
-#include <limber/spring_constraint.h>
-
 #include <LinearMath/btIDebugDraw.h>
 
 #include <algorithm>

@@ -8,8 +8,6 @@
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 
-#include <limber/soft_body_system.h>
-
 #include <BulletCollision/CollisionDispatch/btSphereBoxCollisionAlgorithm.h>
 
 #include <algorithm>
