@@ -6,10 +6,7 @@
 #include "bullet/body_in_world.h"
 
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/surface_body.h"
 #include "solver/midpoint_solver.h"
-#include "solver/stepping_choice.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -177,6 +174,17 @@ std::string checkShape(const SpringNetwork& network, const SoftBodySettings& s) 
   return checkSprings(network, s, factors);
 }
 
+std::string checkPoints(const PointState& state) {
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
+    std::string reason = checkPlace(static_cast<std::size_t>(i), state.position.col(i));
+    if (!reason.empty()) return reason;
+    const double speed = state.velocity.col(i).norm();
+    if (!(speed <= kMaxPointSpeed))
+      return "point " + std::to_string(i) + " would move at " + inWords(speed) + " m/s, must be at most 1e6";
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& network,
@@ -197,16 +205,12 @@ Result<std::shared_ptr<const BodyModel>> SharedModels::of(const SharedNetwork& n
 
 // --- a new body --------------------------------------------------------------------------------------------
 
-namespace {
-
 Eigen::Vector3d centerOfMass(const BodyModel& model, const Points& position) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < model.rest.fractions.size(); ++i)
     center += model.rest.fractions[i] * position.col(static_cast<Eigen::Index>(i));
   return center;
 }
-
-}  // namespace
 
 void placeAsCreated(SoftBodyData& body) {
   const SoftBodySettings& s = body.settings;
@@ -227,21 +231,6 @@ std::string checkPlace(std::size_t point, const Eigen::Vector3d& place) {
   return "point " + std::to_string(point) + " would have a coordinate of " + inWords(coordinate) +
          " m, must be at most 2e6";
 }
-
-namespace {
-
-std::string checkPoints(const PointState& state) {
-  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    std::string reason = checkPlace(static_cast<std::size_t>(i), state.position.col(i));
-    if (!reason.empty()) return reason;
-    const double speed = state.velocity.col(i).norm();
-    if (!(speed <= kMaxPointSpeed))
-      return "point " + std::to_string(i) + " would move at " + inWords(speed) + " m/s, must be at most 1e6";
-  }
-  return {};
-}
-
-}  // namespace
 
 Result<std::unique_ptr<SoftBodyData>> makeBodyData(const SharedNetwork& network,
                                                    const SoftBodySettings& settings, SharedModels& models) {
@@ -277,19 +266,34 @@ namespace {
 
 bool isInWorld(const btRigidBody* object) { return object && object->isInWorld(); }
 
-}  // namespace
-
-bool anyInWorld(const SoftBodyData& body) {
-  if (isSurfaceBody(body)) return isInWorld(body.surface.object);
-  return std::any_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
-}
-
+/// Returns whether all of the body's objects are in its world, which still exists.
 bool wholeInWorld(const SoftBodyData& body) {
   const auto isHere = [&](const btRigidBody* object) {
     return isInWorld(object) && !isElsewhere(*object, *body.world);
   };
   if (isSurfaceBody(body)) return isHere(body.surface.object);
   return std::all_of(body.masses.bodies.begin(), body.masses.bodies.end(), isHere);
+}
+
+void wakeRigid(btCollisionObject& object, bool insideTick) {
+  if (object.isActive() || isStaticOrKinematic(object)) return;
+  object.activate();
+  btRigidBody* rigid = btRigidBody::upcast(&object);
+  if (rigid && insideTick) rigid->applyGravity();
+}
+
+/// Whether the body gets out of another one, which is slow without gravity.
+bool getsOut(SoftBodyData& body, btScalar tick) {
+  constexpr double kStuck = 0.1;  // of the speed at which it should
+  const double least = kStuck * body.speeds.recovery * double(tick);
+  return body.surface.overlapTicks > 0 && sumsOf(body).farthest > least * least;
+}
+
+}  // namespace
+
+bool anyInWorld(const SoftBodyData& body) {
+  if (isSurfaceBody(body)) return isInWorld(body.surface.object);
+  return std::any_of(body.masses.bodies.begin(), body.masses.bodies.end(), isInWorld);
 }
 
 bool isAlive(SoftBodyData& body) {
@@ -314,17 +318,6 @@ void updateQueryBoxes(SoftBodyData& body) {
     if (isInWorld(point)) body.world->updateSingleAabb(point);
 }
 
-namespace {
-
-void wakeRigid(btCollisionObject& object, bool insideTick) {
-  if (object.isActive() || isStaticOrKinematic(object)) return;
-  object.activate();
-  btRigidBody* rigid = btRigidBody::upcast(&object);
-  if (rigid && insideTick) rigid->applyGravity();
-}
-
-}  // namespace
-
 void wakeAnchored(SoftBodyData& body, bool insideTick) {
   const btCollisionObjectArray& objects = body.world->getCollisionObjectArray();
   for (const Anchor& anchor : body.anchors)
@@ -336,14 +329,10 @@ void wakeNeighbours(SoftBodyData& body, bool insideTick) {
   if (!anyInWorld(body)) return;
   wakeAnchored(body, insideTick);
   const double margin = 2.0 * radiusOf(body) + double(gContactBreakingThreshold);
-  const Eigen::Vector3d low = body.state.position.rowwise().minCoeff().array() - margin;
-  const Eigen::Vector3d high = body.state.position.rowwise().maxCoeff().array() + margin;
-  forEachObjectIn(*body.world, toBullet(low), toBullet(high), [&](btCollisionObject& object) {
-    const SurfaceObject* surface = SurfaceObject::from(&object);
-    const PointMass* point = PointMass::from(&object);
-    SoftBodyData* owner = surface ? surface->owner() : point ? point->owner() : nullptr;
+  forEachObjectIn(*body.world, boxAround(body.state.position, margin), [&](btCollisionObject& object) {
+    SoftBodyData* owner = ownerOf(object);
     if (owner && owner != &body && owner->alive && owner->asleep) wakeBody(*owner, insideTick);
-    if (!surface && !point) wakeRigid(object, insideTick);
+    if (!isSoft(&object)) wakeRigid(object, insideTick);
   });
 }
 
@@ -365,32 +354,9 @@ void putToSleep(SoftBodyData& body) {
     if (point && body.masses.exposed) point->setActivationState(ISLAND_SLEEPING);
 }
 
-namespace {
-
-/// Whether the body gets out of another one, which is slow without gravity.
-bool getsOut(SoftBodyData& body, btScalar tick) {
-  constexpr double kStuck = 0.1;  // of the speed at which it should
-  const double least = kStuck * body.speeds.recovery * double(tick);
-  return body.surface.overlapTicks > 0 && sumsOf(body).farthest > least * least;
-}
-
-}  // namespace
-
 bool movesTooFast(SoftBodyData& body, btScalar tick) {
   if (isSurfaceBody(body) && getsOut(body, tick)) return true;
   return isSurfaceBody(body) ? anySurfacePointMoves(body, tick) : anyPointMoves(body, tick);
-}
-
-void gatherBody(SoftBodyData& body, btScalar tick) {
-  (isSurfaceBody(body) ? gatherSurface : gatherWorldPoints)(body, tick);
-}
-
-void writeBodyToBullet(SoftBodyData& body, btScalar tick) {
-  (isSurfaceBody(body) ? writeBoxToBullet : writeVelocitiesToBullet)(body, tick);
-}
-
-void finishBody(SoftBodyData& body, btScalar tick) {
-  (isSurfaceBody(body) ? finishSurface : finishWorldPoints)(body, tick);
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

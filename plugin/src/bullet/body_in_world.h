@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares how a body is made, added to the world and removed from it, and the stages of its
-// tick. Each function handles both Collision::Points and Collision::Surface.
+// This header declares how a body is made, changed, divided and saved, added to the world and removed from
+// it, put to sleep and woken. Each function handles both Collision::Points and Collision::Surface.
 
 #pragma once
 
@@ -9,13 +9,13 @@
 #include "collide/surface.h"
 
 #include <limber/result.h>
-#include <limber/soft_body_settings.h>
-#include <limber/spring_network.h>
 
 #include <map>
 #include <memory>
 #include <utility>
 #include <vector>
+
+class btSerializer;
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -49,6 +49,9 @@ std::string checkPlace(std::size_t point, const Eigen::Vector3d& place);
 /// The error of all changes of a body that is not alive.
 inline Error notAlive() { return {"the soft body is disabled, see alive()"}; }
 
+/// Returns the centre of mass (m) of a body with the masses of the settings whose points are at `position`.
+Eigen::Vector3d centerOfMass(const BodyModel& model, const Points& position);
+
 /// Sets positions and velocities to those of a new body.
 void placeAsCreated(SoftBodyData& body);
 
@@ -67,6 +70,10 @@ Points elasticForces(const SoftBodyData& body);
 
 /// Writes the state to Bullet's objects. Pins keep their targets unless they are moved, too.
 void writeToBullet(SoftBodyData& body, bool pinsMoved = false);
+
+/// Gives the body the springs and volumes of its new model. Springs that may have yielded or broken continue:
+/// carry(springs) takes that over from the present ones, on which body.springs still is.
+void takeConstants(SoftBodyData& body, const std::function<void(SpringArrays&)>& carry);
 
 /// Gives the body the constants of its model again, instead of softened ones, and resets what depends on
 /// them.
@@ -87,9 +94,6 @@ void removeFromWorld(SoftBodyData& body);
 
 /// Returns whether any of the body's objects is in a world that still exists.
 bool anyInWorld(const SoftBodyData& body);
-
-/// Returns whether all of the body's objects are in its world, which still exists.
-bool wholeInWorld(const SoftBodyData& body);
 
 /// See SoftBody::alive(). Revives a body whose objects the user has taken out of the world and added again.
 bool isAlive(SoftBodyData& body);
@@ -113,10 +117,35 @@ void putToSleep(SoftBodyData& body);
 /// Returns whether the body moves too fast to sleep, see anyPointMoves().
 bool movesTooFast(SoftBodyData& body, btScalar tick);
 
-// The stages of a tick.
-void gatherBody(SoftBodyData& body, btScalar tick);
-void writeBodyToBullet(SoftBodyData& body, btScalar tick);
-void finishBody(SoftBodyData& body, btScalar tick);
+// --- tears and cuts ----------------------------------------------------------------------------------------
+
+// Both give the body a network of its own, between ticks.
+
+/// Returns whether the body tears where its springs are too long.
+bool mayTear(const SoftBodyData& body);
+
+/// Divides points at which springs are longer than ElasticLimit::breakStrain allows, see ElasticLimit::tear.
+/// At the start of a tick, before bodies are read.
+void tearBody(SoftBodyData& body);
+
+/// Makes the cuts that were asked for within the last tick.
+void makePendingCuts(SoftBodyData& body);
+
+// --- saved states ------------------------------------------------------------------------------------------
+
+// SoftBody::saveState() says what they contain.
+
+std::vector<std::uint8_t> saveStateOf(SoftBodyData& body);
+Result<void> restoreStateOf(SoftBodyData& body, const std::vector<std::uint8_t>& bytes);
+
+/// Returns the settings in a saved state. Errors: bytes that are no such state.
+Result<SoftBodySettings> settingsIn(const std::vector<std::uint8_t>& bytes);
+
+/// Returns the errors of restoreStateOf(), without changing anything.
+Result<void> checkStateFor(SoftBodyData& body, const std::vector<std::uint8_t>& bytes);
+
+/// Writes a chunk that has the body's network, settings and state to one of Bullet's files.
+void writeChunk(SoftBodyData& body, btSerializer& serializer);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -5,7 +5,6 @@
 #include "bullet/body_medium.h"
 
 #include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 
 #include <Eigen/Cholesky>
 

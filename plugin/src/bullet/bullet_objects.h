@@ -38,6 +38,10 @@ inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }
 
+inline btQuaternion toBullet(const Eigen::Quaterniond& q) {
+  return btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w()));
+}
+
 inline bool isFinite(const btVector3& v) { return toEigen(v).allFinite(); }
 
 // --- the plugin's own bodies -------------------------------------------------------------------------------
@@ -96,6 +100,13 @@ inline bool isFree(const btRigidBody& body) {
          body.getWorldArrayIndex() >= 0;
 }
 
+/// Wakes a dynamic body within a step. The world has already applied gravity to the bodies that were awake at
+/// its start.
+inline void wakeInStep(btRigidBody& body) {
+  body.activate(true);
+  body.applyGravity();
+}
+
 /// Returns a bound (m/s) of the speed that the rotation of a body adds to points of its shape.
 inline btScalar rotationSpeed(const btRigidBody& body) {
   const btScalar spin = body.getAngularVelocity().length();
@@ -104,6 +115,10 @@ inline btScalar rotationSpeed(const btRigidBody& body) {
 
 inline bool isSphere(const btCollisionObject& object) {
   return object.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+}
+
+inline bool isPlane(const btCollisionObject& object) {
+  return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
 }
 
 /// Returns the radius (m) of the sphere around an object's shape.
@@ -124,6 +139,13 @@ inline bool arePaired(const btDynamicsWorld& world, const btCollisionObject& one
          const_cast<btDynamicsWorld&>(world).getPairCache()->needsBroadphaseCollision(first, second);
 }
 
+/// Unique in the broadphase. The order of what the broadphase finds depends on earlier ticks, so it is
+/// sorted.
+inline int idOf(const btCollisionObject& object) { return object.getBroadphaseHandle()->m_uniqueId; }
+inline bool hasSmallerId(const btCollisionObject* a, const btCollisionObject* b) {
+  return idOf(*a) < idOf(*b);
+}
+
 /// Calls visit(object) for the objects whose boxes in the broadphase overlap a box (m).
 template <class Visit>
 void forEachObjectIn(const btCollisionWorld& world, const btVector3& low, const btVector3& high,
@@ -137,6 +159,11 @@ void forEachObjectIn(const btCollisionWorld& world, const btVector3& low, const 
     }
   } callback(visit);
   const_cast<btBroadphaseInterface*>(world.getBroadphase())->aabbTest(low, high, callback);
+}
+
+template <class Visit>
+void forEachObjectIn(const btCollisionWorld& world, const Eigen::AlignedBox3d& box, Visit visit) {
+  forEachObjectIn(world, toBullet(box.min()), toBullet(box.max()), visit);
 }
 
 /// Protected members of worlds that have no getters: a derived class may name them.
@@ -171,12 +198,12 @@ inline void clearImpulses(btPersistentManifold& manifold) {
 struct ObjectHandle {
   const btCollisionObject* object = nullptr;
   int index = -1;  ///< index in the world's list of objects when the handle was made
-  int id = 0;      ///< unique in the broadphase
+  int id = 0;      ///< see idOf()
 };
 
 /// Returns a handle to an object, which must be in the world.
 inline ObjectHandle handleOf(const btCollisionObject& object) {
-  return {&object, object.getWorldArrayIndex(), object.getBroadphaseHandle()->m_uniqueId};
+  return {&object, object.getWorldArrayIndex(), idOf(object)};
 }
 
 /// Returns whether the object is in a world other than this one.

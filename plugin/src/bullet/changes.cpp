@@ -4,14 +4,7 @@
 // on it.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "mesh/linear_algebra.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body.h>
 
 #include <Eigen/LU>
 
@@ -24,24 +17,10 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-namespace {
-
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Result<void> checkMotion(const char* name, const btVector3& v) {
-  if (!isFinite(v)) return Error{std::string(name) + " is not finite"};
-  if (toEigen(v).norm() > kMaxPointSpeed) return Error{std::string(name) + " is beyond 1e6"};
-  return {};
-}
-
-Result<void> checkPush(const char* name, const btVector3& v) {
-  return isSound(v) ? Result<void>() : Error{std::string(name) + " is not finite, or beyond 1e18"};
-}
-
 // --- the present state -------------------------------------------------------------------------------------
-
-}  // namespace
 
 void readFromBullet(SoftBodyData& body) {
   readObject(body);
@@ -81,6 +60,16 @@ void writeToBullet(SoftBodyData& body, bool pinsMoved) {
 }
 
 namespace {
+
+Result<void> checkMotion(const char* name, const btVector3& v) {
+  if (!isFinite(v)) return Error{std::string(name) + " is not finite"};
+  if (toEigen(v).norm() > kMaxPointSpeed) return Error{std::string(name) + " is beyond 1e6"};
+  return {};
+}
+
+Result<void> checkPush(const char* name, const btVector3& v) {
+  return isSound(v) ? Result<void>() : Error{std::string(name) + " is not finite, or beyond 1e18"};
+}
 
 /// The place of a body as a whole: its centre of mass, and the rotation that brings the rest shape nearest to
 /// the points. Pinned points count.
@@ -125,9 +114,7 @@ Result<void> checkTransform(const btTransform& transform) {
 /// Puts the points at the rest shape, at rest.
 void placeAtRest(SoftBodyData& body, const Placement& at) {
   const Points rest = scaledRest(*body.model->network, body.settings.scale);
-  Vector3d center = Vector3d::Zero();
-  for (Eigen::Index i = 0; i < rest.cols(); ++i)
-    center += body.model->rest.fractions[static_cast<std::size_t>(i)] * rest.col(i);
+  const Vector3d center = centerOfMass(*body.model, rest);
   body.state.position = (at.rotation.toRotationMatrix() * (rest.colwise() - center)).colwise() + at.center;
   body.state.velocity.setZero();
 }
@@ -157,10 +144,6 @@ Result<void> resetBody(SoftBodyData& body, const Placement* at) {
   wakeBody(body, false);
   return {};
 }
-
-}  // namespace
-
-namespace {
 
 /// Takes the springs for which isGone(spring) is true from the network and its groups.
 template <class Test>
@@ -200,9 +183,7 @@ Result<SharedNetwork> SoftBody::presentNetwork() const {
 btTransform SoftBody::transform() const {
   readFromBullet(*data_);
   const Placement at = placementOf(*data_);
-  const btQuaternion q(static_cast<btScalar>(at.rotation.x()), static_cast<btScalar>(at.rotation.y()),
-                       static_cast<btScalar>(at.rotation.z()), static_cast<btScalar>(at.rotation.w()));
-  return btTransform(q, toBullet(at.center));
+  return btTransform(toBullet(at.rotation), toBullet(at.center));
 }
 
 Result<void> SoftBody::setTransform(const btTransform& transform) {
@@ -377,8 +358,7 @@ void forEachScaled(SoftBodyData& body, const Vector3d& ratio, Visit visit) {
   const Placement at = placementOf(body);
   const Matrix3d r = at.rotation.toRotationMatrix(), scaling = r * ratio.asDiagonal() * r.transpose();
   for (std::uint32_t i = 0; i < pointCount(body); ++i) {
-    const auto isHere = [&](const Anchor& anchor) { return anchor.point == i; };
-    if (body.masses.held[i] || std::any_of(body.anchors.begin(), body.anchors.end(), isHere)) continue;
+    if (body.masses.held[i] || isAttached(body, i)) continue;
     visit(i, Vector3d(at.center + scaling * (body.state.position.col(i) - at.center)));
   }
 }
@@ -392,23 +372,13 @@ Result<void> checkScaled(SoftBodyData& body, const Vector3d& ratio) {
   return {};
 }
 
-/// Takes over constants of a new model. Springs that have yielded keep the strain of that; broken ones stay
-/// broken.
-void takeConstants(SoftBodyData& body) {
-  SpringArrays springs = body.model->springs;
-  springs.revision = body.springs.revision + 1;
-  if (const SpringConstants* old = body.springs.yielded.get()) {
-    springs.yielded = std::make_shared<SpringConstants>(*springs.original);
-    for (std::size_t i = 0; i < springs.size(); ++i) {
-      const double before = body.springs.original->restLength[i];
-      if (before > 0.0) springs.yielded->restLength[i] *= old->restLength[i] / before;
-      if (isBroken(body.springs, i)) breakSpring(springs, i);
-    }
+/// Springs that have yielded keep the strain of that; broken ones stay broken.
+void carrySprings(const SoftBodyData& body, SpringArrays& springs) {
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const double before = body.springs.original->restLength[i];
+    if (before > 0.0) springs.yielded->restLength[i] *= body.springs->restLength[i] / before;
+    if (isBroken(body.springs, i)) breakSpring(springs, i);
   }
-  body.springs = std::move(springs);
-  body.volumes = body.model->volumes;
-  body.tetrahedra = body.model->tetrahedra;
-  forgetConstants(body);
 }
 
 /// Gives points the masses of the model. Points whose mass the user has set keep it.
@@ -418,8 +388,7 @@ void changeMasses(SoftBodyData& body, const BodyModel& before) {
     if (was == now) continue;
     PointMass* point = i < body.masses.bodies.size() ? body.masses.bodies[i] : nullptr;
     if (!point) {
-      const double w = double(btScalar(1) / static_cast<btScalar>(now));
-      body.state.inverseMass.col(i).setConstant(std::isfinite(w) ? w : 0.0);
+      body.state.inverseMass.col(i).setConstant(inverseOf(now));
     } else if (point->massBeforePin == static_cast<btScalar>(was)) {
       point->massBeforePin = static_cast<btScalar>(now);
     }
@@ -465,6 +434,13 @@ void changeRadius(SoftBodyData& body) {
   if (body.surface.shape) body.surface.shape->setMargin(radius);
 }
 
+/// Returns whether what lies on the body may then have nothing below it.
+bool mayLetGo(const SoftBodySettings& before, const SoftBodySettings& after) {
+  return after.scale != before.scale || after.hollow != before.hollow ||
+         after.pointRadius != before.pointRadius || after.collisionGroup != before.collisionGroup ||
+         after.collisionMask != before.collisionMask;
+}
+
 }  // namespace
 
 Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
@@ -480,16 +456,18 @@ Result<void> checkChange(SoftBodyData& body, const SoftBodySettings& s) {
   return checkScaled(body, s.scale.cwiseQuotient(body.settings.scale));
 }
 
-namespace {
-
-/// Returns whether what lies on the body may then have nothing below it.
-bool mayLetGo(const SoftBodySettings& before, const SoftBodySettings& after) {
-  return after.scale != before.scale || after.hollow != before.hollow ||
-         after.pointRadius != before.pointRadius || after.collisionGroup != before.collisionGroup ||
-         after.collisionMask != before.collisionMask;
+void takeConstants(SoftBodyData& body, const std::function<void(SpringArrays&)>& carry) {
+  SpringArrays springs = body.model->springs;
+  springs.revision = body.springs.revision + 1;
+  if (body.springs.yielded) {
+    springs.yielded = std::make_shared<SpringConstants>(*springs.original);
+    carry(springs);
+  }
+  body.springs = std::move(springs);
+  body.volumes = body.model->volumes;
+  body.tetrahedra = body.model->tetrahedra;
+  forgetConstants(body);
 }
-
-}  // namespace
 
 void forgetConstants(SoftBodyData& body) {
   body.springs.original = body.model->springs.original;
@@ -520,7 +498,7 @@ Result<void> changeSettings(SoftBodyData& body, const SoftBodySettings& settings
                   [&](std::uint32_t i, const Vector3d& place) { body.state.position.col(i) = place; });
   const std::shared_ptr<const BodyModel> old = std::exchange(body.model, *model);
   if (old != body.model) {
-    takeConstants(body);
+    takeConstants(body, [&](SpringArrays& springs) { carrySprings(body, springs); });
     changeMasses(body, *old);
     body.size *= std::cbrt(std::abs(settings.scale.prod() / before.scale.prod()));
   }

@@ -4,7 +4,6 @@
 // one tick later. Until then a stiff spring may have thrown a board against the box above it, deep into it.
 // A touch with the side of a tile that is level with those below the body is none: the body slides on.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
@@ -148,10 +147,6 @@ void forEachPart(const btCollisionShape& shape, const btTransform& pose, Visit v
   if (compound.getNumChildShapes() > kMaxParts) return;
   for (int i = 0; i < compound.getNumChildShapes(); ++i)
     forEachPart(*compound.getChildShape(i), pose * compound.getChildTransform(i), visit);
-}
-
-bool isPlane(const btCollisionObject& object) {
-  return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
 }
 
 /// What is below a static plane, in the world.
@@ -556,9 +551,7 @@ void findNear(const btDiscreteDynamicsWorld& world, const btRigidBody& body, dou
   forEachObjectIn(world, low - margin, high + margin, [&](btCollisionObject& other) {
     if (&other != &body && btRigidBody::upcast(&other) && !isSoft(&other)) near.push_back(&other);
   });
-  std::sort(near.begin(), near.end(), [](const btCollisionObject* x, const btCollisionObject* y) {
-    return x->getBroadphaseHandle()->m_uniqueId < y->getBroadphaseHandle()->m_uniqueId;
-  });
+  std::sort(near.begin(), near.end(), hasSmallerId);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_hook.h"
 
 #include <algorithm>
@@ -266,9 +265,7 @@ void reportManifold(SoftBodyData& body, std::vector<const SoftContact*>& scratch
   scratch.clear();
   for (const SoftContact& contact : readReport(body)) scratch.push_back(&contact);
   // by partner, the strongest contacts first
-  const auto keyOf = [](const SoftContact* c) {
-    return std::tuple(c->other->getBroadphaseHandle()->m_uniqueId, -c->normalImpulse, c);
-  };
+  const auto keyOf = [](const SoftContact* c) { return std::tuple(idOf(*c->other), -c->normalImpulse, c); };
   std::sort(scratch.begin(), scratch.end(),
             [&](const SoftContact* c, const SoftContact* d) { return keyOf(c) < keyOf(d); });
   for (std::size_t i = 0, end = 0; i < scratch.size(); i = end) {

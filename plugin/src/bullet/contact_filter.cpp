@@ -2,12 +2,8 @@
 
 // This file shows contacts to the user's filter and applies its answers.
 
-#include "bullet/contact_filter.h"
-
-#include "bullet/bullet_objects.h"
-#include "bullet/point_masses.h"
+#include "bullet/contact_report.h"
 #include "bullet/rigid_shapes.h"
-#include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "mesh/surface.h"
 
@@ -69,13 +65,6 @@ void findTriangle(const btCollisionShape& shape, const btTransform& pose, const 
 
 // --- questions ---------------------------------------------------------------------------------------------
 
-ContactSide sideOfPoint(const ContactPoint& p) {
-  ContactSide side;
-  for (std::uint32_t i = 0; i < 3; ++i) side.points[i] = p.point[std::min(i, p.count - 1)];
-  for (std::uint32_t i = 0; i < p.count; ++i) side.weights[i] = p.weight[i];
-  return side;
-}
-
 /// Asks the filters of both sides, once if they are the same. Makes numbers of the answer valid.
 void ask(const SoftBodyData& body, const SoftBodyData* other, ContactCandidate& c) {
   c.body = body.handle;
@@ -126,8 +115,7 @@ HeldPoint nearestPiece(const PlaneContact& row, const Vector3d& x) {
 }
 
 /// Returns whether the contact acts, or may act later in the tick. `answer` receives the answer.
-bool filterPlane(const SoftBodyData& body, PlaneContact& row, const btCollisionObject* partner,
-                 ContactCandidate& answer) {
+bool filterPlane(const SoftBodyData& body, PlaneContact& row, ContactCandidate& answer) {
   const Vector3d x = body.state.position.col(row.point);
   Vector3d normal = row.normal;
   double gap = normal.dot(x - row.touch);
@@ -136,10 +124,8 @@ bool filterPlane(const SoftBodyData& body, PlaneContact& row, const btCollisionO
     normal = nearest.normal;
     gap = nearest.height - radiusOf(body);
   }
-  ContactPoint point;
-  point.point[0] = row.point;
-  answer.other = partner;
-  answer.side = sideOfPoint(point);
+  answer.other = partnerOf(body, row).handle.object;
+  answer.side = pointSide(row.point);
   answer.position = toBullet(x - radiusOf(body) * normal);
   answer.normal = toBullet(normal);
   answer.distance = gap;
@@ -156,60 +142,48 @@ bool filterPlane(const SoftBodyData& body, PlaneContact& row, const btCollisionO
   return true;
 }
 
-/// Calls remove(row, partner, answer) for the rows that do not act and removes them. Keeps the order.
-template <class Remove>
-void filterRows(const SoftBodyData& body, std::vector<PlaneContact>& rows,
-                std::vector<const btCollisionObject*>& partners, Remove remove) {
+/// Removes the entries for which keep(entry), which may change it, is false. Keeps the order.
+template <class Entry, class Keep>
+void keepOnly(std::vector<Entry>& entries, Keep keep) {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    ContactCandidate answer;
-    if (!filterPlane(body, rows[i], partners[i], answer)) {
-      remove(rows[i], partners[i], answer);
-      continue;
-    }
-    if (count != i) rows[count] = rows[i], partners[count] = partners[i];
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!keep(entries[i])) continue;
+    if (count != i) entries[count] = entries[i];
     ++count;
   }
-  rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(count), rows.end());
-  partners.resize(count);
+  entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(count), entries.end());
 }
 
 /// Makes a contact for the report of a plane contact.
-void addSensed(SoftBodyData& body, const PlaneContact& row, const btCollisionObject& partner,
-               const ContactCandidate& answer, TickContacts& found) {
-  Contact c;
+TickContact sensedContact(SoftBodyData& body, const PlaneContact& row, const ContactCandidate& answer) {
+  TickContact c;
   static_cast<ContactBase&>(c) = row;
   c.normal = toEigen(answer.normal);
   c.gap = answer.distance;
-  c.a.kind = ContactPoint::Kind::Soft;
-  c.a.body = body.index;
-  c.a.point[0] = row.point;
+  c.a = softPoint(body.index, row.point);
   c.b.velocity = row.surfaceVelocity;
-  ContactSource source;
-  source.body = &body;
-  source.partner = handleOf(partner);
-  found.sensed.push_back(c);
-  found.sensedSources.push_back(source);
+  c.source.body = &body;
+  c.source.partner = partnerOf(body, row).handle;
+  return c;
 }
 
 // --- contacts of moving bodies -----------------------------------------------------------------------------
 
-/// Returns the position (m) of a soft side among `positions`.
-Vector3d placeOf(const Points& positions, const ContactPoint& p) {
-  Vector3d x = Vector3d::Zero();
-  for (std::uint32_t i = 0; i < p.count; ++i) x += p.weight[i] * positions.col(p.point[i]);
-  return x;
-}
-
 double validMassFactor(double factor) { return factor > 0.0 ? std::clamp(factor, 1e-6, 1e6) : 1.0; }
 
-ContactResponse filterPair(Contact& contact, const ContactSource& source, const Points& positions) {
+bool isAsked(const ContactSource& source) {
+  return source.body && (isFiltered(*source.body) || (source.other && isFiltered(*source.other)));
+}
+
+/// `positions`: of the points of the body on side a.
+ContactResponse filterPair(TickContact& contact, const Points& positions) {
+  const ContactSource& source = contact.source;
   const SoftBodyData& body = *source.body;
   ContactCandidate answer;
   answer.other = source.partner.object;
-  answer.side = sideOfPoint(contact.a);
-  if (source.other) answer.otherSide = sideOfPoint(contact.b);
-  answer.position = toBullet(placeOf(positions, contact.a) - radiusOf(body) * contact.normal);
+  answer.side = sideOf(contact.a);
+  if (source.other) answer.otherSide = sideOf(contact.b);
+  answer.position = toBullet(positionOf(contact.a, positions) - radiusOf(body) * contact.normal);
   answer.normal = toBullet(contact.normal);
   answer.distance = contact.gap;
   answer.friction = contact.friction;
@@ -226,10 +200,6 @@ ContactResponse filterPair(Contact& contact, const ContactSource& source, const 
   return acts && !isFacing(contact.normal, answer.facing) ? ContactResponse::Ignore : answer.response;
 }
 
-bool isAsked(const ContactSource& source) {
-  return source.body && (isFiltered(*source.body) || (source.other && isFiltered(*source.other)));
-}
-
 }  // namespace
 
 void SoftBodySystem::setContactFilter(ContactFilter filter) {
@@ -237,53 +207,36 @@ void SoftBodySystem::setContactFilter(ContactFilter filter) {
   impl_->wakeAll();
 }
 
-void filterPlanes(SoftBodyData& body, TickContacts& found) {
-  filterRows(body, body.contacts, body.contactPartners,
-             [&](const PlaneContact& row, const btCollisionObject* partner, const ContactCandidate& answer) {
-               if (answer.response == ContactResponse::Report) addSensed(body, row, *partner, answer, found);
-             });
-}
-
-void filterPlanes(const SoftBodyData& body, std::vector<PlaneContact>& rows,
-                  std::vector<const btCollisionObject*>& partners) {
-  filterRows(body, rows, partners,
-             [](const PlaneContact&, const btCollisionObject*, const ContactCandidate&) {});
+void filterPlanes(SoftBodyData& body, std::vector<PlaneContact>& rows, TickContacts* found) {
+  keepOnly(rows, [&](PlaneContact& row) {
+    ContactCandidate answer;
+    if (filterPlane(body, row, answer)) return true;
+    if (found && answer.response == ContactResponse::Report)
+      found->sensed.push_back(sensedContact(body, row, answer));
+    return false;
+  });
 }
 
 void filterPairs(TickContacts& found, std::vector<std::uint32_t>& newIndex) {
   newIndex.clear();
   std::uint32_t count = 0;
-  for (std::size_t i = 0; i < found.contacts.size(); ++i) {
+  keepOnly(found.contacts, [&](TickContact& c) {
     newIndex.push_back(count);
     const ContactResponse response =
-        isAsked(found.sources[i])
-            ? filterPair(found.contacts[i], found.sources[i], found.sources[i].body->state.position)
-            : ContactResponse::Act;
-    if (response == ContactResponse::Report) {
-      found.sensed.push_back(found.contacts[i]);
-      found.sensedSources.push_back(found.sources[i]);
-    }
-    if (response != ContactResponse::Act) continue;
-    if (count != i) found.contacts[count] = found.contacts[i], found.sources[count] = found.sources[i];
-    ++count;
-  }
+        isAsked(c.source) ? filterPair(c, c.source.body->state.position) : ContactResponse::Act;
+    if (response == ContactResponse::Report) found.sensed.push_back(c);
+    if (response == ContactResponse::Act) ++count;
+    return response == ContactResponse::Act;
+  });
   newIndex.push_back(count);
-  found.contacts.erase(found.contacts.begin() + count, found.contacts.end());
-  found.sources.resize(count);
   for (SurfaceCandidate& m : found.candidates) m.first = newIndex[m.first], m.end = newIndex[m.end];
 }
 
-void filterPairs(std::vector<Contact>& contacts, std::vector<ContactSource>& sources) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (isAsked(sources[i]) && filterPair(contacts[i], sources[i],
-                                          *sources[i].body->surface.moving.position) != ContactResponse::Act)
-      continue;
-    if (count != i) contacts[count] = contacts[i], sources[count] = sources[i];
-    ++count;
-  }
-  contacts.erase(contacts.begin() + static_cast<std::ptrdiff_t>(count), contacts.end());
-  sources.resize(count);
+void filterPairs(std::vector<TickContact>& contacts) {
+  keepOnly(contacts, [](TickContact& c) {
+    return !isAsked(c.source) ||
+           filterPair(c, *c.source.body->surface.moving.position) == ContactResponse::Act;
+  });
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

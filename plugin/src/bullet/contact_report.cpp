@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Zlib
 
 // This file fills the contact reports of bodies after a tick from the plane contacts of points, the contacts
-// between bodies and Bullet's manifolds. It finds the triangles of the contacts when a report is read, and
-// reads contacts from manifolds for users.
+// between bodies, Bullet's manifolds and sensors. It finds the triangles of the contacts when a report is
+// read, and reads contacts from manifolds for users.
 
 #include "bullet/contact_report.h"
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
 #include "bullet/point_contacts.h"
-#include "bullet/sensors.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
-#include "bullet/tick_contacts.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 
@@ -55,43 +47,23 @@ void add(SoftBodyData& body, const SoftContact& contact, const ObjectHandle& par
   body.report.partners.push_back(partner);
 }
 
-ContactSide pointSide(std::uint32_t point) {
-  ContactSide side;
-  side.points = {point, point, point};
-  side.weights = Vector3d::UnitX();
-  return side;
-}
-
 // --- on static and kinematic objects -----------------------------------------------------------------------
 
 void addRows(SoftBodyData& body, const btCollisionWorld& world, double tick) {
-  for (std::size_t i = 0; i < body.contacts.size(); ++i) {
-    const ObjectHandle* handle = partnerHandle(body, i);
-    if (!handle || !isValid(world, *handle)) continue;
-    const PlaneContact& row = body.contacts[i];
+  for (const PlaneContact& row : body.contacts) {
+    const ObjectHandle& handle = partnerOf(body, row).handle;
+    if (!isValid(world, handle)) continue;
     // its plane is that of the last contact, if there was any
     if (row.away && row.impulse.sum.isZero(0.0)) continue;
     const Vector3d x = body.state.position.col(row.point);
     const double distance = row.normal.dot(x - row.touch - tick * row.surfaceVelocity);
     const SoftContact c =
-        contactAt(body, pointSide(row.point), x, row.normal, distance, row.impulse, handle->object);
-    if (isReported(body, c)) add(body, c, *handle);
+        contactAt(body, pointSide(row.point), x, row.normal, distance, row.impulse, handle.object);
+    if (isReported(body, c)) add(body, c, handle);
   }
 }
 
 // --- with other moving bodies ------------------------------------------------------------------------------
-
-ContactSide sideOf(const ContactPoint& p, const SoftBodyData& body, Vector3d& position) {
-  ContactSide side;
-  position.setZero();
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    side.points[i] = p.point[i];
-    side.weights[i] = p.weight[i];
-    position += p.weight[i] * body.state.position.col(p.point[i]);
-  }
-  for (std::uint32_t i = p.count; i < 3; ++i) side.points[i] = side.points[i - 1];
-  return side;
-}
 
 /// Returns the contact as seen from the other side, whose partner is `object`.
 SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
@@ -107,15 +79,15 @@ SoftContact mirrored(const SoftContact& c, const btCollisionObject& object) {
   return m;
 }
 
-void addPair(const Contact& pair, const ContactSource& source) {
+void addPair(const TickContact& pair) {
+  const ContactSource& source = pair.source;
   SoftBodyData &body = *source.body, *other = source.other;
-  Vector3d x, y;
-  const ContactSide side = sideOf(pair.a, body, x);
-  SoftContact c = contactAt(body, side, x, pair.normal, pair.gap, pair.impulse, source.partner.object);
+  SoftContact c = contactAt(body, sideOf(pair.a), positionOf(pair.a, body.state.position), pair.normal,
+                            pair.gap, pair.impulse, source.partner.object);
   if (!isReported(body, c)) return;
   if (other) {
     c.otherBody = other->handle;
-    c.otherSide = sideOf(pair.b, *other, y);
+    c.otherSide = sideOf(pair.b);
   }
   if (body.report.fresh) add(body, c, source.partner);
   const bool together = other && other != &body && pair.b.kind == ContactPoint::Kind::Soft;
@@ -138,14 +110,29 @@ Vector3d displacementOf(const ContactPoint& p, const SoftBodyData* body, const T
 }
 
 /// Adds a contact that has not acted. Its gap is that of the tick's start.
-void addSensed(const TickContacts& pairs, std::size_t i) {
-  Contact c = pairs.sensed[i];
-  const ContactSource& source = pairs.sensedSources[i];
-  c.gap += c.normal.dot(displacementOf(c.a, source.body, pairs) - displacementOf(c.b, source.other, pairs));
-  addPair(c, source);
+void addSensed(TickContact c, const TickContacts& pairs) {
+  c.gap +=
+      c.normal.dot(displacementOf(c.a, c.source.body, pairs) - displacementOf(c.b, c.source.other, pairs));
+  addPair(c);
 }
 
 // --- contacts of points that Bullet's solver handled -------------------------------------------------------
+
+/// Returns the soft body that has the object as its surface or a point, and sets `side` to the point of a
+/// contact on it. `index`: of its triangle, as Bullet reports it.
+SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
+  if (const PointReference point = findPoint(object); point.body) {
+    side = pointSide(point.index);
+    return point.body;
+  }
+  if (const SurfaceHit hit = surfaceHit(object, index, position); hit.body) {
+    side.points = hit.points;
+    side.weights = hit.weights;
+    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
+  }
+  const SoftBodyData* owner = ownerOf(*object);
+  return owner ? owner->handle : nullptr;
+}
 
 /// Returns a contact as seen from the manifold's first object, or from its second.
 SoftContact readContact(const btPersistentManifold& manifold, int point, bool fromFirst) {
@@ -205,7 +192,7 @@ void addPlaneImpulses(const SoftBodyData& body, std::uint32_t point, const btCol
   const ContactRange rows = contactsOfPoint(body.contacts, point);
   for (std::size_t r = rows.begin; r < rows.end; ++r) {
     const PlaneContact& row = body.contacts[r];
-    for (int p = 0; p < manifold.getNumContacts() && body.contactPartners[r] == partner; ++p) {
+    for (int p = 0; p < manifold.getNumContacts() && partnerOf(body, row).handle.object == partner; ++p) {
       btManifoldPoint& contact = manifold.getContactPoint(p);
       if (!(std::abs(toEigen(contact.m_normalWorldOnB).dot(row.normal)) > kSameSurface)) continue;
       contact.m_appliedImpulse += static_cast<btScalar>(row.impulse.along);
@@ -235,7 +222,112 @@ void exchangeImpulses(btPersistentManifold& manifold) {
     manifold.getContactPoint(0).m_appliedImpulse = static_cast<btScalar>(pointContact->normalImpulse);
 }
 
+// --- contacts with sensors ---------------------------------------------------------------------------------
+
+// They have no part in the step: the positions after the tick are tested against the objects with Bullet's
+// narrowphase.
+
+/// Keeps the deepest contact with an object, seen from the other one.
+struct DeepestContact final : btCollisionWorld::ContactResultCallback {
+  explicit DeepestContact(const btCollisionObject& p) : partner(&p) { m_closestDistanceThreshold = 0; }
+  const btCollisionObject* partner;
+  bool any = false;
+  btScalar distance = 0;
+  btVector3 normal, position, partnerPosition;  // m, on the soft body; on the partner
+  int triangle = -1, partnerTriangle = -1;      // likewise
+
+  btScalar addSingleResult(btManifoldPoint& p, const btCollisionObjectWrapper* first, int, int index0,
+                           const btCollisionObjectWrapper*, int, int index1) override {
+    if (p.getDistance() > 0 || (any && p.getDistance() >= distance)) return 0;
+    const bool isSecond = first->getCollisionObject() == partner;
+    any = true;
+    distance = p.getDistance();
+    normal = isSecond ? -p.m_normalWorldOnB : p.m_normalWorldOnB;
+    position = isSecond ? p.m_positionWorldOnB : p.m_positionWorldOnA;
+    partnerPosition = isSecond ? p.m_positionWorldOnA : p.m_positionWorldOnB;
+    triangle = isSecond ? index1 : index0;
+    partnerTriangle = isSecond ? index0 : index1;
+    return 0;
+  }
+};
+
+SoftContact contactOf(const SoftBodyData& body, const DeepestContact& hit) {
+  SoftContact c;
+  c.body = body.handle;
+  c.other = hit.partner;
+  c.otherBody = readSide(hit.partner, hit.partnerTriangle, hit.partnerPosition, c.otherSide);
+  c.position = hit.position;
+  c.normal = hit.normal;
+  c.distance = double(hit.distance);
+  return c;
+}
+
+DeepestContact deepestOf(SoftBodyData& body, btCollisionObject& own, const btCollisionObject& partner) {
+  DeepestContact hit(partner);
+  body.world->contactPairTest(&own, const_cast<btCollisionObject*>(&partner), hit);
+  return hit;
+}
+
+/// Adds the points that touch the partner. Returns whether there are any.
+bool addPoints(SoftBodyData& body, const ObjectHandle& partner) {
+  const Eigen::AlignedBox3d box = boxOf(*partner.object);
+  const Vector3d from = box.min().array() - radiusOf(body), to = box.max().array() + radiusOf(body);
+  bool any = false;
+  for (std::uint32_t i = 0; i < pointCount(body); ++i) {
+    const Vector3d x = body.state.position.col(i);
+    if (!(x.array() >= from.array()).all() || !(x.array() <= to.array()).all()) continue;
+    const DeepestContact hit = deepestOf(body, probeAt(body, i), *partner.object);
+    if (!hit.any) continue;
+    SoftContact c = contactOf(body, hit);
+    c.side = pointSide(i);
+    add(body, c, partner);
+    any = true;
+  }
+  return any;
+}
+
+/// Bullet has no algorithm for concave objects with each other, nor for planes with triangles.
+void addSurfaceOf(SoftBodyData& body, const ObjectHandle& partner) {
+  const btCollisionShape& shape = *partner.object->getCollisionShape();
+  if (!shape.isConvex() && !shape.isCompound()) return;
+  const DeepestContact hit = deepestOf(body, *body.surface.object, *partner.object);
+  if (!hit.any) return;
+  SoftContact c = contactOf(body, hit);
+  readSide(body.surface.object, hit.triangle, hit.position, c.side);
+  if (c.side.weights.isZero(0.0)) return;
+  add(body, c, partner);
+}
+
+/// Adds the present contacts of the body with its sensors to its report, after a tick: of the points, or,
+/// where no point touches, of the triangles or springs with convex objects. For one thread.
+void reportSensors(SoftBodyData& body) {
+  if (!body.surface.object || body.surface.object->getWorldArrayIndex() < 0) return;
+  for (const ObjectHandle& partner : body.sensors)
+    if (isValid(*body.world, partner) && !addPoints(body, partner)) addSurfaceOf(body, partner);
+}
+
 }  // namespace
+
+bool addSensor(SoftBodyData& body, btCollisionObject& partner) {
+  const SurfaceObject* own = body.surface.object;
+  if (!own || (own->hasContactResponse() && partner.hasContactResponse())) return false;
+  if (own->mayTouch(partner) && !PointMass::from(&partner)) body.sensors.push_back(handleOf(partner));
+  return true;
+}
+
+ContactSide pointSide(std::uint32_t point) {
+  ContactSide side;
+  side.points = {point, point, point};
+  side.weights = Vector3d::UnitX();
+  return side;
+}
+
+ContactSide sideOf(const ContactPoint& p) {
+  ContactSide side;
+  for (std::uint32_t i = 0; i < 3; ++i) side.points[i] = p.point[std::min(i, p.count - 1)];
+  for (std::uint32_t i = 0; i < p.count; ++i) side.weights[i] = p.weight[i];
+  return side;
+}
 
 void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts& pairs,
                     const btDiscreteDynamicsWorld& world, double tick, const Parallel& parallel) {
@@ -250,11 +342,10 @@ void reportContacts(const std::vector<SoftBodyData*>& bodies, const TickContacts
   });
   const bool anyInBullet = std::any_of(bodies.begin(), bodies.end(),
                                        [](const SoftBodyData* body) { return !isSurfaceBody(*body); });
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
-    if (pairs.sources[i].body && isValid(world, pairs.sources[i].partner))
-      addPair(pairs.contacts[i], pairs.sources[i]);
-  for (std::size_t i = 0; i < pairs.sensed.size(); ++i)
-    if (isValid(world, pairs.sensedSources[i].partner)) addSensed(pairs, i);
+  for (const TickContact& c : pairs.contacts)
+    if (c.source.body && isValid(world, c.source.partner)) addPair(c);
+  for (const TickContact& c : pairs.sensed)
+    if (isValid(world, c.source.partner)) addSensed(c, pairs);
   for (SoftBodyData* body : bodies)
     if (!body->sensors.empty()) reportSensors(*body);
   if (!anyInBullet) return;
@@ -321,19 +412,6 @@ void findTriangle(const SoftBodyData& body, ContactSide& side, const Eigen::Vect
 }
 
 }  // namespace
-
-SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side) {
-  if (const PointReference point = findPoint(object); point.body) {
-    side = pointSide(point.index);
-    return point.body;
-  }
-  if (const SurfaceHit hit = surfaceHit(object, index, position); hit.body) {
-    side.points = hit.points;
-    side.weights = hit.weights;
-    if (hit.triangle < hit.body->network().surface.size()) side.triangle = hit.triangle;
-  }
-  return findSurface(object).body;
-}
 
 void findTriangles(SoftContact& contact) {
   const Eigen::Vector3d normal = toEigen(contact.normal);

@@ -1,26 +1,46 @@
 // SPDX-License-Identifier: Zlib
 
-// This header declares the three ways to report contacts to users: the report of each body, the calls of a
-// listener, and manifolds in Bullet's dispatcher.
+// This header declares how users see contacts: their filter, and the three ways to report contacts: the
+// report of each body, the calls of a listener, and manifolds in Bullet's dispatcher.
 
 #pragma once
 
 #include "bullet/parallel.h"
 #include "bullet/soft_body_data.h"
+#include "bullet/tick_contacts.h"
 
-#include <limber/contacts.h>
 #include <limber/soft_body_system.h>
 
-#include <cstddef>
 #include <memory>
 #include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 
-struct TickContacts;
+// --- the filter, which only worlds that have one call ------------------------------------------------------
+
+inline bool isFiltered(const SoftBodyData& body) { return body.filter && *body.filter; }
+
+/// Asks for plane contacts of a body, and removes those that do not act. Those that are only reported go to
+/// `found`; nullptr: they are within a tick, and lost.
+void filterPlanes(SoftBodyData& body, std::vector<PlaneContact>& rows, TickContacts* found);
+
+/// Asks for the contacts of moving bodies, and removes those that do not act. Those that are only reported
+/// stay in found.sensed. `newIndex` is scratch.
+void filterPairs(TickContacts& found, std::vector<std::uint32_t>& newIndex);
+
+/// Asks for contacts found within a tick, and removes those that do not act.
+void filterPairs(std::vector<TickContact>& contacts);
 
 // --- the report --------------------------------------------------------------------------------------------
+
+/// Adds an object near the body to SoftBodyData::sensors if either of the two has no contact response.
+/// Returns whether it did.
+bool addSensor(SoftBodyData& body, btCollisionObject& partner);
+
+/// Returns the side of a soft body in a contact, at one of its points or at a contact point.
+ContactSide pointSide(std::uint32_t point);
+ContactSide sideOf(const ContactPoint& point);
 
 /// Fills the reports of all bodies that are awake, after a tick of length `tick` (s). Writes the impulses of
 /// contacts of point masses in the world to Bullet's manifolds. `bodies`: the bodies in the groups, to which
@@ -33,10 +53,6 @@ void dropInvalidContacts(SoftBodyData& body);
 
 /// Returns the contacts with their triangles.
 const std::vector<SoftContact>& readReport(SoftBodyData& body);
-
-/// Returns the soft body that has the object as its surface or a point, and sets `side` to the point of a
-/// contact on it. `index`: of its triangle, as Bullet reports it.
-SoftBody* readSide(const btCollisionObject* object, int index, const btVector3& position, ContactSide& side);
 
 /// Finds the triangles of both sides of a contact.
 void findTriangles(SoftContact& contact);

@@ -6,10 +6,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "solver/point_state.h"
-#include "solver/springs.h"
-#include "solver/stepping_choice.h"
-#include "solver/volumes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -398,16 +394,7 @@ void endEnergyLimit(LinkedGroup& group, double tick) {
   limit.atEnd -= excess - left;
 }
 
-}  // namespace
-
-bool hasTolerance(const LinkedGroup& group) {
-  const Stepping& s = group.stepping;
-  return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
-}
-
 // --- one group ---------------------------------------------------------------------------------------------
-
-namespace {
 
 /// Steps the group. With a tolerance, adds substeps and repeats it if the error is larger than predicted.
 void stepToTolerance(LinkedGroup& group, double tick, SharedFactors& factors) {
@@ -426,6 +413,11 @@ void stepToTolerance(LinkedGroup& group, double tick, SharedFactors& factors) {
 }
 
 }  // namespace
+
+bool hasTolerance(const LinkedGroup& group) {
+  const Stepping& s = group.stepping;
+  return s.tolerance > 0.0 || s.relativeTolerance > 0.0;
+}
 
 void stepAlone(LinkedGroup& group, double tick, SharedFactors& factors) {
   stepToTolerance(group, tick, factors);
@@ -446,6 +438,13 @@ bool areSurfacesAtRest(const std::vector<PlaneContact>& rows) {
 }
 
 namespace {
+
+/// Measures the work of drag on bodies with an energy limit, or on all.
+void measureDrag(LinkedGroup& group, bool all) {
+  for (std::size_t i = 0; i < group.bodies.size(); ++i)
+    if (PointDrag* drag = group.step.bodies[i].drag)
+      drag->measured = all || group.bodies[i]->energyLimit.on || group.bodies[i]->medium->hasWaterMass;
+}
 
 /// Takes over what the budget has resolved before the groups were made again.
 void takeResolved(LinkedGroup& group) {
@@ -493,17 +492,6 @@ void keepBudget(LinkedGroup& group, double tick) {
   for (SoftBodyData* body : group.bodies) soften(*body, largest - links, tick);
 }
 
-namespace {
-
-/// Measures the work of drag on bodies with an energy limit, or on all.
-void measureDrag(LinkedGroup& group, bool all) {
-  for (std::size_t i = 0; i < group.bodies.size(); ++i)
-    if (PointDrag* drag = group.step.bodies[i].drag)
-      drag->measured = all || group.bodies[i]->energyLimit.on || group.bodies[i]->medium->hasWaterMass;
-}
-
-}  // namespace
-
 void chooseStepping(LinkedGroup& group, double tick) {
   SteppingProblem problem = problemOf(group, tick);
   setChoice(group, limber::chooseStepping(problem, group.stepping));
@@ -544,14 +532,8 @@ double workOf(const LinkedGroup& group) { return double(springCount(group.bodies
 
 // --- after the step ----------------------------------------------------------------------------------------
 
-namespace {
-
-/// s, the time in which a peak of the error fades.
-constexpr double kErrorMemory = 0.25;
-
-}  // namespace
-
 void reportStepping(LinkedGroup& group, double tick) {
+  constexpr double kErrorMemory = 0.25;  // s, the time in which a peak of the error fades
   for (SoftBodyData* body : group.bodies) body->watch->merge();
   endEnergyLimit(group, tick);
   for (std::size_t i = 0; i < group.bodies.size(); ++i) {

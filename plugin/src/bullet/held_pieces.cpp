@@ -4,7 +4,6 @@
 // flat. It also tells which contacts of surfaces with these objects count: those with edges and corners that
 // the contacts of the points do not cover.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 #include "bullet/rigid_shapes.h"
@@ -385,9 +384,9 @@ class StaticSurroundings {
     const Vector3d position = touched.onSurface();
     const Eigen::AlignedBox3d box(position.array() - radius, position.array() + radius);
     std::uint32_t owner = 0;
-    for (std::size_t p = 0; p < body.partners.size(); ++p)
-      if (!isMoved(*body.partners[p]) && isNear(body.heldPartners[p].box))
-        owner = addPieces(*body.partners[p], box, *body.shapes, owner, pieces);
+    for (const HeldPartner& held : body.heldPartners)
+      if (!isMoved(held.object()) && isNear(held.box))
+        owner = addPieces(held.object(), box, *body.shapes, owner, pieces);
   }
 
   bool covers(const Vector3d& normal) const {

@@ -233,9 +233,7 @@ void markCoupledPoints(Island& island) {
 
 Contact contactOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t bodyIndex) {
   Contact c;
-  c.a.kind = ContactPoint::Kind::Soft;
-  c.a.body = bodyIndex;
-  c.a.point[0] = row.point;
+  c.a = softPoint(bodyIndex, row.point);
   c.b.velocity = row.surfaceVelocity, c.b.acceleration = row.surfaceAcceleration;
   static_cast<ContactBase&>(c) = row;
   c.gap = row.normal.dot(body.state.position.col(row.point) - row.touch);
@@ -260,16 +258,6 @@ void appendPlaneContacts(Island& island) {
   }
 }
 
-}  // namespace
-
-void addLinkedRigids(const AwakeGroups& groups, TickContacts& found) {
-  for (const LinkedGroup* group : groups)
-    for (const RigidPartner& rigid : group->rigids)
-      if (isFree(*rigid.body)) found.add(*rigid.body);
-}
-
-namespace {
-
 /// m/s, of a side of a contact; `soft` is its soft body.
 Eigen::Vector3d velocityOf(const ContactPoint& side, const SoftBodyData* soft, const TickContacts& found) {
   Eigen::Vector3d velocity = side.velocity;
@@ -287,9 +275,8 @@ void findApproaches(const AwakeGroups& groups, const TickContacts& found) {
   const auto note = [](SoftBodyData* body, double speed) {
     if (body) body->approach = std::max(body->approach, speed);
   };
-  for (std::size_t i = 0; i < found.contacts.size(); ++i) {
-    const Contact& c = found.contacts[i];
-    const ContactSource& source = found.sources[i];
+  for (const TickContact& c : found.contacts) {
+    const ContactSource& source = c.source;
     if (!source.body) continue;
     const double speed =
         c.normal.dot(velocityOf(c.b, source.other, found) - velocityOf(c.a, source.body, found));
@@ -298,6 +285,12 @@ void findApproaches(const AwakeGroups& groups, const TickContacts& found) {
 }
 
 }  // namespace
+
+void addLinkedRigids(const AwakeGroups& groups, TickContacts& found) {
+  for (const LinkedGroup* group : groups)
+    for (const RigidPartner& rigid : group->rigids)
+      if (isFree(*rigid.body)) found.add(*rigid.body);
+}
 
 void makeIslands(const AwakeGroups& groups, TickContacts& found, btScalar tick, Islands& islands) {
   islands.count = 0;

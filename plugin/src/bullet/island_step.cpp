@@ -3,8 +3,6 @@
 // This file steps an island, limits the energy that joints add, and writes the result to Bullet.
 
 #include "bullet/linked_group.h"
-#include "solver/point_state.h"
-#include "solver/springs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -202,12 +200,12 @@ void limitEnergy(Island& island, const TickContacts& found, double energyBefore)
 void reportLateContacts(Island& island, TickContacts& found) {
   const std::size_t first = island.contacts.size() + island.rows.size();
   for (std::size_t i = 0; i < island.late.size(); ++i) {
-    Contact contact = island.step.pairs.contacts[first + i];
     const SurfaceCandidate& candidate = *island.candidates[island.late[i].candidate].surfaces;
+    TickContact& contact = found.contacts.emplace_back(
+        TickContact{island.step.pairs.contacts[first + i], island.late[i].source});
     contact.a.body = candidate.body->index;
     if (candidate.other) contact.b.body = candidate.other->index;
     if (candidate.partner) contact.b.body = found.find(*candidate.partner);
-    found.add(contact, island.late[i].source);
   }
 }
 

@@ -3,14 +3,11 @@
 // This file joins soft bodies to rigid bodies, to each other and to the bones of characters.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/rigid_shapes.h"
-#include "bullet/soft_body_data.h"
 #include "bullet/system_impl.h"
 #include "mesh/linear_algebra.h"
 
 #include <limber/skeleton.h>
-#include <limber/soft_body_system.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,42 +24,7 @@ inline namespace LIMBER_BULLET_PRECISION {
 
 namespace {
 
-auto findAnchor(std::vector<Anchor>& anchors, std::uint32_t point) {
-  return std::find_if(anchors.begin(), anchors.end(), [&](const Anchor& a) { return a.point == point; });
-}
-
 Error foreignBody() { return {"the soft body is not, or no longer, in this world"}; }
-
-}  // namespace
-
-Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, const Anchor& anchor) const {
-  if (!step->owns(softBody)) return foreignBody();
-  SoftBodyData& data = *softBody->data_;
-  if (!isAlive(data)) return notAlive();
-  const std::uint32_t i = anchor.point;
-  const btRigidBody& body = *anchor.body;
-  const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
-  if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
-  if (findAnchor(data.anchors, i) != data.anchors.end())
-    return Error{"point " + std::to_string(i) + " is already attached"};
-  if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
-  if (PointMass::from(&body) || SurfaceObject::from(&body))
-    return Error{
-        "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
-  if (isElsewhere(body, *world)) return Error{"the rigid body is in another world"};
-  if (!isValidPivot(anchor.pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
-  if (!(anchor.breakForce >= 0.0 && anchor.breakForce <= 1e18))
-    return Error{"breakForce must be from 0 to 1e18"};
-  return {};
-}
-
-namespace {
-
-Anchor anchorOf(std::uint32_t i, btRigidBody& body, const btVector3& pivot, double breakForce) {
-  Anchor anchor{i, &body, pivot};
-  anchor.breakForce = breakForce;
-  return anchor;
-}
 
 /// Returns whether a place is inside a convex shape, or one of a compound, by more than `depth` (m).
 bool isInside(const btCollisionShape& shape, const btTransform& pose, const Eigen::Vector3d& place,
@@ -109,12 +71,27 @@ std::shared_ptr<const std::vector<std::uint32_t>> pointsInside(const SoftBody& s
   return std::make_shared<const std::vector<std::uint32_t>>(std::move(inside));
 }
 
-/// Where the point is now.
-btVector3 pivotAt(const SoftBody& softBody, std::uint32_t i, const btRigidBody& body) {
-  return body.getWorldTransform().inverse() * toBullet(softBody.position(i));
-}
-
 }  // namespace
+
+Result<void> SoftBodySystem::Impl::checkAttachment(const SoftBody* softBody, const Anchor& anchor) const {
+  if (!step->owns(softBody)) return foreignBody();
+  SoftBodyData& data = *softBody->data_;
+  if (!isAlive(data)) return notAlive();
+  const std::uint32_t i = anchor.point;
+  const btRigidBody& body = *anchor.body;
+  const bool deleted = i < data.masses.bodies.size() && !data.masses.bodies[i];
+  if (i >= softBody->pointCount() || deleted) return Error{"there is no point " + std::to_string(i)};
+  if (isAttached(data, i)) return Error{"point " + std::to_string(i) + " is already attached"};
+  if (softBody->pinned(i)) return Error{"point " + std::to_string(i) + " is pinned"};
+  if (PointMass::from(&body) || SurfaceObject::from(&body))
+    return Error{
+        "a point can be attached to a rigid body only, not to a soft one: join two points by a spring"};
+  if (isElsewhere(body, *world)) return Error{"the rigid body is in another world"};
+  if (!isValidPivot(anchor.pivot)) return Error{"the pivot is not finite, or farther than 1e6"};
+  if (!(anchor.breakForce >= 0.0 && anchor.breakForce <= 1e18))
+    return Error{"breakForce must be from 0 to 1e18"};
+  return {};
+}
 
 Result<void> SoftBodySystem::Impl::attach(SoftBody* softBody, std::vector<Anchor> anchors) {
   std::vector<std::uint32_t> points;
@@ -138,7 +115,7 @@ Result<void> SoftBodySystem::Impl::attach(SoftBody* softBody, std::vector<Anchor
 
 Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
                                     const btVector3& pivot, double breakForce) {
-  return impl_->attach(softBody, {anchorOf(i, body, pivot, breakForce)});
+  return impl_->attach(softBody, {Anchor{i, &body, pivot, breakForce}});
 }
 
 Result<void> SoftBodySystem::attach(SoftBody* softBody, std::uint32_t i, btRigidBody& body,
@@ -152,7 +129,9 @@ Result<void> SoftBodySystem::attach(SoftBody* softBody, const std::vector<std::u
   std::vector<Anchor> anchors;
   for (const std::uint32_t i : points) {
     if (i >= softBody->pointCount()) return Error{"there is no point " + std::to_string(i)};
-    anchors.push_back(anchorOf(i, body, pivotAt(*softBody, i, body), breakForce));
+    // where the point is now
+    const btVector3 pivot = body.getWorldTransform().inverse() * toBullet(softBody->position(i));
+    anchors.push_back({i, &body, pivot, breakForce});
   }
   return impl_->attach(softBody, std::move(anchors));
 }
@@ -165,7 +144,7 @@ Result<void> SoftBodySystem::detach(SoftBody* softBody, std::uint32_t i) {
 
 bool SoftBodySystem::Impl::detach(SoftBody* softBody, std::uint32_t i) {
   std::vector<Anchor>& anchors = softBody->data_->anchors;
-  const auto it = findAnchor(anchors, i);
+  const auto it = findAnchor(*softBody->data_, i);
   if (it == anchors.end()) return false;
   wakeAnchored(*softBody->data_, false);
   anchors.erase(it);
@@ -382,9 +361,7 @@ Result<void> Skeleton::teleportBody(const std::vector<btVector3>& to) {
   }
   const Eigen::Isometry3d motion = rigidMotionBetween(before, after);
   const Eigen::Quaterniond turn(motion.rotation());
-  return body_->setTransform(btTransform(btQuaternion(btScalar(turn.x()), btScalar(turn.y()),
-                                                      btScalar(turn.z()), btScalar(turn.w())),
-                                         toBullet(motion.translation())) *
+  return body_->setTransform(btTransform(toBullet(turn), toBullet(motion.translation())) *
                              body_->transform());
 }
 

@@ -3,7 +3,6 @@
 // This file makes constraint rows from Bullet's joints and from rolling friction, and reports their impulses
 // to Bullet.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 

@@ -6,10 +6,7 @@
 
 #include "bullet/kinematic_motion.h"
 
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +86,7 @@ double slowestJump(const btDiscreteDynamicsWorld& world) {
 KinematicMotion newMotion(btCollisionObject& object) {
   KinematicMotion motion;
   motion.object = &object;
-  motion.id = object.getBroadphaseHandle()->m_uniqueId;
+  motion.id = idOf(object);
   motion.start = motion.end = motion.target = object.getWorldTransform();
   return motion;
 }
@@ -180,7 +177,7 @@ void MovingObjects::find(const btCollisionWorld& world) {
 }
 
 const KinematicMotion* KinematicMotions::lastMotion(const btCollisionObject& object) const {
-  const int id = object.getBroadphaseHandle()->m_uniqueId;
+  const int id = idOf(object);
   const auto isThis = [&](const KinematicMotion& m) { return m.object == &object && m.id == id; };
   // the list's order changes only when an object leaves the world
   const std::size_t guess = motions_.size();
@@ -257,10 +254,6 @@ SurfaceVelocity surfaceVelocityOf(const btCollisionObject& object, const Eigen::
 
 namespace {
 
-bool hasSmallerId(const btCollisionObject* a, const btCollisionObject* b) {
-  return a->getBroadphaseHandle()->m_uniqueId < b->getBroadphaseHandle()->m_uniqueId;
-}
-
 /// Adds a partner, sorted by id, because the order of Bullet's hash table is arbitrary.
 void addPartner(SoftBodyData& body, btCollisionObject* partner) {
   auto& partners = body.surface.partners;
@@ -270,9 +263,7 @@ void addPartner(SoftBodyData& body, btCollisionObject* partner) {
 
 /// Returns the awake body of `system` that has the object as its surface, or also as a point; else nullptr.
 SoftBodyData* bodyOf(const btCollisionObject& object, bool alsoPoints, const void* system) {
-  const SurfaceObject* surface = SurfaceObject::from(&object);
-  const PointMass* point = alsoPoints ? PointMass::from(&object) : nullptr;
-  SoftBodyData* body = surface ? surface->owner() : point ? point->owner() : nullptr;
+  SoftBodyData* body = alsoPoints || SurfaceObject::from(&object) ? ownerOf(object) : nullptr;
   return body && body->system == system && body->alive && !body->asleep ? body : nullptr;
 }
 
@@ -350,8 +341,7 @@ void addMovingLink(btDiscreteDynamicsWorld& world, btMultiBodyLinkCollider& link
   const Eigen::AlignedBox3d box = boundsOf(link, tick);
   const btBroadphaseProxy& found = *link.getBroadphaseHandle();
   if (Eigen::AlignedBox3d(toEigen(found.m_aabbMin), toEigen(found.m_aabbMax)).contains(box)) return;
-  addToBodiesIn(world, link, toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())),
-                kBoxMargin, system);
+  addToBodiesIn(world, link, toBullet(box.min()), toBullet(box.max()), kBoxMargin, system);
 }
 
 }  // namespace

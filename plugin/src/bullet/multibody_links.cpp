@@ -3,9 +3,7 @@
 // This file makes rigid bodies and joints from the links of multibodies for a tick, and applies the resulting
 // impulses and motions to the multibodies.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/linear_algebra.h"
 
@@ -93,11 +91,6 @@ JointConstraint rowAlong(const Twist& direction, const Vector3d& arm) {
   return row;
 }
 
-/// Returns the vector (m) from the parent's centre of mass to the child's.
-Vector3d armOf(const LinkBody& child, const LinkBody& parent) {
-  return toEigen(child.getCenterOfMassPosition()) - toEigen(parent.getCenterOfMassPosition());
-}
-
 /// Returns the number of velocities: 3 angular and 3 linear ones of the base, then those of the joints.
 std::size_t sizeOf(const btMultiBody& multiBody) {
   return static_cast<std::size_t>(multiBody.getNumDofs()) + 6;
@@ -112,10 +105,6 @@ bool isDrive(const btMultiBodyConstraint& constraint) {
   return dynamic_cast<const btMultiBodyJointMotor*>(&constraint) ||
          dynamic_cast<const btMultiBodyJointLimitConstraint*>(&constraint);
 }
-
-}  // namespace
-
-namespace {
 
 /// Whether the link cannot move.
 bool isHeld(const btMultiBody& m, int link) {
@@ -152,9 +141,7 @@ LinkBody& MultiBodyLinks::bodyOf(btMultiBody& multiBody, int link) {
   body.setCollisionShape(&none_);
   // after all objects of the world
   body.setWorldArrayIndex(objects_ + static_cast<int>(it - bodies_.begin()));
-  spins_.resize(multiBody.getNumLinks() + 1);
-  velocities_.resize(multiBody.getNumLinks() + 1);
-  multiBody.compTreeLinkVelocities(&spins_[0], &velocities_[0]);
+  findLinkVelocities(multiBody);
   placeLink(body, velocities_[link + 1], spins_[link + 1]);
   return body;
 }
@@ -173,46 +160,58 @@ LinkBody& MultiBodyLinks::bodyOf(const btMultiBodyLinkCollider& collider) {
   return body;
 }
 
-bool MultiBodyLinks::findSides(btMultiBody& multiBody, int link, TickContacts& found, JointConstraint& row) {
+/// The joint between a link and its parent, as rigid bodies.
+struct MultiBodyLinks::Joint {
+  const btMultibodyLink& link;
+  LinkBody &child, &parent;
+
+  const btMatrix3x3& basis() const { return child.getWorldTransform().getBasis(); }
+  /// m, from the parent's centre of mass to the child's.
+  Vector3d arm() const {
+    return toEigen(child.getCenterOfMassPosition()) - toEigen(parent.getCenterOfMassPosition());
+  }
+};
+
+MultiBodyLinks::Joint MultiBodyLinks::jointOf(btMultiBody& multiBody, int link) {
+  const btMultibodyLink& joint = multiBody.getLink(link);
+  return {joint, bodyOf(multiBody, link), bodyOf(multiBody, joint.m_parent)};
+}
+
+bool MultiBodyLinks::findSides(const Joint& joint, TickContacts& found, JointConstraint& row) {
   const auto numberOf = [&](LinkBody& body) {
-    const bool fixed = body.link < 0 && multiBody.hasFixedBase();
+    const bool fixed = body.link < 0 && body.multiBody->hasFixedBase();
     return fixed || !isFree(body) ? JointConstraint::kHeld : found.add(body);
   };
-  row.a = numberOf(bodyOf(multiBody, link));
-  row.b = numberOf(bodyOf(multiBody, multiBody.getLink(link).m_parent));
+  row.a = numberOf(joint.child);
+  row.b = numberOf(joint.parent);
   return row.a != JointConstraint::kHeld || row.b != JointConstraint::kHeld;
 }
 
-void MultiBodyLinks::addJoint(btMultiBody& multiBody, int link, TickContacts& found) {
-  const btMultibodyLink& joint = multiBody.getLink(link);
-  LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
+void MultiBodyLinks::addJoint(const Joint& joint, TickContacts& found) {
   JointConstraint sides;
-  if (!findSides(multiBody, link, found, sides)) return;
-  const Vector3d arm = armOf(child, parent);
-  const btMatrix3x3& basis = child.getWorldTransform().getBasis();
+  if (!findSides(joint, found, sides)) return;
   // all directions except those of the joint's freedom
-  const Freedom freedom = freedomOf(joint);
+  const Freedom freedom = freedomOf(joint.link);
   const Eigen::Matrix<double, 6, 6> directions = orthogonalColumns(freedom, 6);
   for (Eigen::Index d = freedom.cols(); d < 6; ++d) {
-    JointConstraint row = rowAlong(inWorld(basis, directions.col(d)), arm);
+    JointConstraint row = rowAlong(inWorld(joint.basis(), directions.col(d)), joint.arm());
     row.a = sides.a, row.b = sides.b;
     found.joints.push_back(row);
     found.jointSources.emplace_back();
   }
-  addTorques(multiBody, link);
+  addTorques(joint);
 }
 
-void MultiBodyLinks::addTorques(btMultiBody& multiBody, int link) {
-  const btMultibodyLink& joint = multiBody.getLink(link);
-  if (joint.m_dofCount == 0) return;
-  LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
-  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1> torques(joint.m_dofCount);
-  for (int d = 0; d < joint.m_dofCount; ++d) torques[d] = double(joint.m_jointTorque[d]);
-  const Twist w = inWorld(child.getWorldTransform().getBasis(), ratesOf(joint) * torques);
-  child.applyTorque(toBullet(w.angular));
-  child.applyCentralForce(toBullet(w.linear));
-  parent.applyTorque(toBullet(-w.angular - armOf(child, parent).cross(w.linear)));
-  parent.applyCentralForce(toBullet(-w.linear));
+void MultiBodyLinks::addTorques(const Joint& joint) {
+  const int count = joint.link.m_dofCount;
+  if (count == 0) return;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1> torques(count);
+  for (int d = 0; d < count; ++d) torques[d] = double(joint.link.m_jointTorque[d]);
+  const Twist w = inWorld(joint.basis(), ratesOf(joint.link) * torques);
+  joint.child.applyTorque(toBullet(w.angular));
+  joint.child.applyCentralForce(toBullet(w.linear));
+  joint.parent.applyTorque(toBullet(-w.angular - joint.arm().cross(w.linear)));
+  joint.parent.applyCentralForce(toBullet(-w.linear));
 }
 
 void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found) {
@@ -222,7 +221,7 @@ void MultiBodyLinks::addJoints(btMultiBody& multiBody, btCollisionObject& touche
     body.setBroadphaseHandle(touched.getBroadphaseHandle());
     body.forceActivationState(touched.getActivationState());
   }
-  for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(multiBody, link, found);
+  for (int link = 0; link < multiBody.getNumLinks(); ++link) addJoint(jointOf(multiBody, link), found);
   if (!world_) return;
   const bool alone = isAlone(multiBody);
   if (!alone) supported_.push_back({&multiBody, forcesOn(multiBody), {}, {}});
@@ -253,9 +252,7 @@ void MultiBodyLinks::repeatForces(const Supported& last, double tick) {
   // for a moment its velocities are their change in the last tick
   multiBody.applyDeltaVeeMultiDof(present.data(), btScalar(-1));
   multiBody.applyDeltaVeeMultiDof(last.change.data(), btScalar(1));
-  spins_.resize(multiBody.getNumLinks() + 1);
-  velocities_.resize(multiBody.getNumLinks() + 1);
-  multiBody.compTreeLinkVelocities(&spins_[0], &velocities_[0]);
+  findLinkVelocities(multiBody);
   multiBody.applyDeltaVeeMultiDof(velocitiesOf(multiBody).data(), btScalar(-1));
   multiBody.applyDeltaVeeMultiDof(present.data(), btScalar(1));
   const auto perTick = static_cast<btScalar>(1.0 / tick);
@@ -271,15 +268,22 @@ void MultiBodyLinks::repeatForces(const Supported& last, double tick) {
   }
 }
 
-/// Computes the inertias for what follows. With a time step of 0 this keeps the velocities.
-void MultiBodyLinks::prepareInertias(btMultiBody& multiBody) {
-  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(btScalar(0), numbers_, vectors_, matrices_,
-                                                                 false, false, false);
+/// Adds what forces change of the velocities in a time (s), and computes the inertias for what follows.
+void MultiBodyLinks::accelerate(btMultiBody& multiBody, btScalar time) {
+  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(time, numbers_, vectors_, matrices_, false,
+                                                                 false, false);
+}
+
+/// Sets velocities_ and spins_ to those of the links, the base first, in their own axes.
+void MultiBodyLinks::findLinkVelocities(btMultiBody& multiBody) {
+  spins_.resize(multiBody.getNumLinks() + 1);
+  velocities_.resize(multiBody.getNumLinks() + 1);
+  multiBody.compTreeLinkVelocities(&spins_[0], &velocities_[0]);
 }
 
 /// Adds the rows of its motors and limits.
 void MultiBodyLinks::addDrives(btMultiBody& multiBody, TickContacts& found) {
-  prepareInertias(multiBody);
+  accelerate(multiBody, btScalar(0));
   for (int i = 0; i < world_->getNumMultiBodyConstraints(); ++i) {
     btMultiBodyConstraint& drive = *world_->getMultiBodyConstraint(i);
     if (drive.getMultiBodyA() != &multiBody && drive.getMultiBodyB() != &multiBody) continue;
@@ -344,12 +348,10 @@ void MultiBodyLinks::addComingLimits(btMultiBody& multiBody, btMultiBodyConstrai
 /// Adds the row, of which speed and limits are set.
 void MultiBodyLinks::addDriveRow(btMultiBody& multiBody, Drive drive, int link, int degree,
                                  const JointConstraint& limits, TickContacts& found) {
-  const btMultibodyLink& joint = multiBody.getLink(link);
-  LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
-  const btMatrix3x3& basis = child.getWorldTransform().getBasis();
+  const Joint joint = jointOf(multiBody, link);
   JointConstraint row =
-      rowAlong(inWorld(basis, drive.share * ratesOf(joint).col(degree)), armOf(child, parent));
-  if (!findSides(multiBody, link, found, row)) return;
+      rowAlong(inWorld(joint.basis(), drive.share * ratesOf(joint.link).col(degree)), joint.arm());
+  if (!findSides(joint, found, row)) return;
   row.speed = limits.speed, row.lower = limits.lower, row.upper = limits.upper;
   drive.row = found.joints.size();
   drives_.push_back(drive);
@@ -404,7 +406,7 @@ bool MultiBodyLinks::collectImpulses(btMultiBody& multiBody) {
 /// Returns the change of the velocities by the impulses in force_.
 MultiBodyLinks::Numbers MultiBodyLinks::changeByImpulses(btMultiBody& multiBody) {
   Numbers change(force_.size());
-  prepareInertias(multiBody);
+  accelerate(multiBody, btScalar(0));
   multiBody.calcAccelerationDeltasMultiDof(force_.data(), change.data(), numbers_, vectors_);
   return change;
 }
@@ -429,8 +431,7 @@ void MultiBodyLinks::applyMotion(btMultiBody& multiBody, const TickContacts& fou
           static_cast<btScalar>(drive.share * found.joints[drive.row].impulse);
   const Numbers change = changeByImpulses(multiBody), mean = meanVelocities(multiBody, found),
                 before = velocitiesOf(multiBody);
-  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(static_cast<btScalar>(found.tick), numbers_,
-                                                                 vectors_, matrices_, false, false, false);
+  accelerate(multiBody, static_cast<btScalar>(found.tick));
   const Numbers byForces = velocitiesOf(multiBody);
   Motion motion{&multiBody, static_cast<btScalar>(found.tick), Numbers(change.size()),
                 Numbers(change.size())};
@@ -447,31 +448,30 @@ void MultiBodyLinks::applyMotion(btMultiBody& multiBody, const TickContacts& fou
 
 /// Returns the velocities with which Bullet's integration moves the links to where they are after the step.
 MultiBodyLinks::Numbers MultiBodyLinks::meanVelocities(btMultiBody& multiBody, const TickContacts& found) {
-  const auto motionOf = [&](int link) -> Twist {
-    const LinkBody& body = bodyOf(multiBody, link);
+  const auto motionOf = [&](const LinkBody& body) -> Twist {
     const std::uint32_t number = found.find(body);
     if (number == TickContacts::kNone || found.rigids[number].held) return {};
     const RigidPartner& partner = found.rigids[number];
     return {partner.turn / found.tick + partner.spinOffset, toEigen(partner.expectedVelocity)};
   };
   Numbers mean(sizeOf(multiBody), btScalar(0));
-  const Twist base = motionOf(-1);
+  const Twist base = motionOf(bodyOf(multiBody, -1));
   for (int i = 0; i < 3; ++i) {
     mean[static_cast<std::size_t>(i)] = static_cast<btScalar>(base.angular[i]);
     mean[static_cast<std::size_t>(3 + i)] = static_cast<btScalar>(base.linear[i]);
   }
   for (int link = 0; link < multiBody.getNumLinks(); ++link) {
-    const btMultibodyLink& joint = multiBody.getLink(link);
-    if (joint.m_dofCount == 0) continue;
-    const LinkBody &child = bodyOf(multiBody, link), &parent = bodyOf(multiBody, joint.m_parent);
-    const Twist own = motionOf(link), carried = motionOf(joint.m_parent);
-    const btMatrix3x3 toOwn = child.getWorldTransform().getBasis().transpose();
+    const int count = multiBody.getLink(link).m_dofCount;
+    if (count == 0) continue;
+    const Joint joint = jointOf(multiBody, link);
+    const Twist own = motionOf(joint.child), carried = motionOf(joint.parent);
+    const btMatrix3x3 toOwn = joint.basis().transpose();
     Vector6d relative;
     relative << toEigen(toOwn * toBullet(own.angular - carried.angular)),
-        toEigen(toOwn * toBullet(own.linear - carried.linear - carried.angular.cross(armOf(child, parent))));
-    const auto rates = (ratesOf(joint).transpose() * relative).eval();
-    for (int d = 0; d < joint.m_dofCount; ++d)
-      mean[static_cast<std::size_t>(6 + joint.m_dofOffset + d)] = static_cast<btScalar>(rates[d]);
+        toEigen(toOwn * toBullet(own.linear - carried.linear - carried.angular.cross(joint.arm())));
+    const auto rates = (ratesOf(joint.link).transpose() * relative).eval();
+    for (int d = 0; d < count; ++d)
+      mean[static_cast<std::size_t>(6 + joint.link.m_dofOffset + d)] = static_cast<btScalar>(rates[d]);
   }
   return mean;
 }
@@ -517,8 +517,7 @@ void MultiBodyLinks::finish(const Motion& motion) {
   btMultiBody& multiBody = *motion.multiBody;
   multiBody.applyDeltaVeeMultiDof(motion.rest.data(), btScalar(1));
   const Numbers before = velocitiesOf(multiBody);
-  multiBody.computeAccelerationsArticulatedBodyAlgorithmMultiDof(motion.tick, numbers_, vectors_, matrices_,
-                                                                 false, false, false);
+  accelerate(multiBody, motion.tick);
   const Numbers after = velocitiesOf(multiBody);
   Numbers correction(before.size());
   for (std::size_t i = 0; i < before.size(); ++i)

@@ -2,20 +2,14 @@
 
 // This file is the thread pool, and the adapter of Bullet's task scheduler.
 
-#include "bullet/hidden.h"
-
-#include <limber/parallel.h>
-#include <limber/soft_body_system.h>
+#include "bullet/parallel.h"
 
 #include <LinearMath/btThreads.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <mutex>
 #include <thread>
-#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

@@ -2,16 +2,12 @@
 
 // This file finds the contacts of points with static and kinematic objects in a tick: first the objects near
 // a body, then contacts for each point, and within the tick contacts for points that leave their search
-// region.
+// region. It gets bodies out of solids into which they have been placed.
 
 #include "bullet/point_contacts.h"
-#include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
+#include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
-#include "bullet/sensors.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 
 #include <algorithm>
@@ -22,14 +18,16 @@ inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
 void forgetPartners(SoftBodyData& body) {
-  body.partners.clear();
+  body.heldPartners.clear();
   body.freePartners.clear();
   body.softPartners.clear();
 }
 
 /// Returns whether part of the box is below a plane's surface or within its margin. A plane's own box is
 /// infinite.
-bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plane, const btTransform& pose) {
+bool reachesPlane(const Eigen::AlignedBox3d& box, const btCollisionObject& object) {
+  const auto& plane = static_cast<const btStaticPlaneShape&>(*object.getCollisionShape());
+  const btTransform& pose = object.getWorldTransform();
   const Eigen::Vector3d normal = toEigen(pose.getBasis() * plane.getPlaneNormal());
   const double offset = double(plane.getPlaneConstant()) + normal.dot(toEigen(pose.getOrigin()));
   const double lowest = normal.dot(box.center()) - 0.5 * normal.cwiseAbs().dot(box.sizes());
@@ -39,10 +37,7 @@ bool reachesPlane(const Eigen::AlignedBox3d& box, const btStaticPlaneShape& plan
 /// Returns whether the shape of a partner at rest overlaps the box (m). The broadphase boxes are not used:
 /// their margins do not scale with the scene, and must not affect how a body is stepped.
 bool isIn(const Eigen::AlignedBox3d& box, const btCollisionObject& partner) {
-  const btCollisionShape& shape = *partner.getCollisionShape();
-  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE)
-    return reachesPlane(box, static_cast<const btStaticPlaneShape&>(shape), partner.getWorldTransform());
-  return box.intersects(boxOf(partner));
+  return isPlane(partner) ? reachesPlane(box, partner) : box.intersects(boxOf(partner));
 }
 
 /// Returns whether a held object may enter the box (m) in the tick.
@@ -52,16 +47,23 @@ bool mayEnter(const Eigen::AlignedBox3d& box, const btCollisionObject& held) {
 
 /// Returns whether an object may enter the box (m) in the tick.
 bool hasPartnersIn(const Eigen::AlignedBox3d& box, const SoftBodyData& body) {
-  const auto held = [&](const btCollisionObject* p) { return mayEnter(box, *p); };
+  const auto held = [&](const HeldPartner& p) { return mayEnter(box, p.object()); };
   const auto soft = [&](const SoftBodyData* other) { return box.intersects(presentBoundsOf(*other)); };
   return !body.freePartners.empty() ||
          std::any_of(body.softPartners.begin(), body.softPartners.end(), soft) ||
-         std::any_of(body.partners.begin(), body.partners.end(), held);
+         std::any_of(body.heldPartners.begin(), body.heldPartners.end(), held);
 }
 
 template <class T>
 void addOnce(std::vector<T>& list, T entry) {
   if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
+}
+
+/// Adds a static or kinematic object, which describePartner() completes.
+void addHeld(SoftBodyData& body, const btCollisionObject& object) {
+  const auto isThis = [&](const HeldPartner& held) { return held.handle.object == &object; };
+  if (std::none_of(body.heldPartners.begin(), body.heldPartners.end(), isThis))
+    body.heldPartners.emplace_back().handle = handleOf(object);
 }
 
 /// Adds the object to the list of its kind. Contacts between point masses of different bodies are in
@@ -72,10 +74,10 @@ void addPartner(SoftBodyData& body, btCollisionObject& object, double tick) {
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
     if (isSurfaceBody(body) && surface->owner()) addOnce(body.softPartners, surface->owner());
   } else if (isStaticOrKinematic(object)) {
-    addOnce<const btCollisionObject*>(body.partners, &object);
+    addHeld(body, object);
   } else if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(&object)) {
     if (isHeldLink(*link))
-      addOnce<const btCollisionObject*>(body.partners, &object);
+      addHeld(body, object);
     else
       addOnce<btRigidBody*>(body.freePartners, &body.links->bodyOf(*link));
   } else if (btRigidBody* rigid = btRigidBody::upcast(&object)) {
@@ -87,7 +89,7 @@ void addPartner(SoftBodyData& body, btCollisionObject& object, double tick) {
 ContactSpeeds contactSpeeds(const SoftBodyData& body, double tick) {
   const double gravity = toEigen(body.world->getGravity()).norm();
   // a speed that gravity gives in a tenth of a tick is no bounce
-  return {recoverySpeed(double(body.masses.shape->getRadius()), gravity, tick), 0.1 * gravity * tick};
+  return {recoverySpeed(radiusOf(body), gravity, tick), 0.1 * gravity * tick};
 }
 
 /// Returns the box around the search regions of all points, and stores their search distances.
@@ -97,7 +99,7 @@ Eigen::AlignedBox3d searchBox(SoftBodyData& body, double tick) {
   for (Eigen::Index i = 0; i < body.state.position.cols(); ++i) {
     const SearchRegion searchRegion = searchRegionOf(body, i, tick);
     body.searchDistance[static_cast<std::size_t>(i)] = searchRegion.distance;
-    box.extend(searchRegion.low).extend(searchRegion.high);
+    box.extend(searchRegion.box);
   }
   return box;
 }
@@ -123,24 +125,20 @@ bool nothingIsNear(SoftBodyData& body, double tick) {
   return true;
 }
 
-/// The order of the broadphase's tree depends on earlier ticks.
-template <class Object>
-void sortById(std::vector<Object*>& objects, std::size_t first = 0) {
-  const auto idOf = [](const btCollisionObject* object) {
-    return objectInWorld(*object).getBroadphaseHandle()->m_uniqueId;
-  };
-  std::sort(objects.begin() + static_cast<std::ptrdiff_t>(first), objects.end(),
-            [&](const Object* a, const Object* b) { return idOf(a) < idOf(b); });
+void sortHeld(SoftBodyData& body, std::size_t first = 0) {
+  std::sort(body.heldPartners.begin() + static_cast<std::ptrdiff_t>(first), body.heldPartners.end(),
+            [](const HeldPartner& a, const HeldPartner& b) { return a.handle.id < b.handle.id; });
 }
 
 void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double tick) {
-  const auto add = [&](btCollisionObject& object) {
+  forEachObjectIn(*body.world, box, [&](btCollisionObject& object) {
     if (canHit(body, object)) addPartner(body, object, tick);
-  };
-  forEachObjectIn(*body.world, toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())),
-                  add);
-  sortById(body.partners);
-  sortById(body.freePartners);
+  });
+  sortHeld(body);
+  std::sort(body.freePartners.begin(), body.freePartners.end(),
+            [](const btRigidBody* a, const btRigidBody* b) {
+              return hasSmallerId(&objectInWorld(*a), &objectInWorld(*b));
+            });
 }
 
 /// Excludes contacts of the points from Bullet's solver in this tick, including those not found yet; see
@@ -149,34 +147,32 @@ void disablePointResponse(SoftBodyData& body) {
   for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(-BT_LARGE_FLOAT);
 }
 
-void storePartner(SoftBodyData& body, const btCollisionObject& partner) {
-  HeldPartner& held = body.heldPartners.emplace_back();
-  held.handle = handleOf(partner);
-  held.box = boxOf(partner);
+void describePartner(SoftBodyData& body, HeldPartner& held) {
+  held.box = boxOf(held.object());
   held.came =
       std::none_of(body.lastHeldPartners.begin(), body.lastHeldPartners.end(), [&](const HeldPartner& last) {
         return last.handle.object == held.handle.object && last.handle.id == held.handle.id &&
                last.box.min() == held.box.min() && last.box.max() == held.box.max();
       });
-  if (isMoved(partner)) {
-    held.stamp = stampOf(partner);
-  } else if (const std::optional<HeldPiece> solid = solidOf(partner)) {
+  if (isMoved(held.object())) {
+    held.stamp = stampOf(held.object());
+  } else if (const std::optional<HeldPiece> solid = solidOf(held.object())) {
     held.solid = body.held.pieces.size();
     body.held.pieces.push_back(*solid);
   }
 }
 
 /// Returns whether a body has static or kinematic partners in a box, and adds the new ones.
-bool addStaticPartners(SoftBodyData& body, const btVector3& low, const btVector3& high) {
-  const std::size_t known = body.partners.size();
+bool addStaticPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box) {
+  const std::size_t known = body.heldPartners.size();
   bool any = false;
-  forEachObjectIn(*body.world, low, high, [&](const btCollisionObject& object) {
+  forEachObjectIn(*body.world, box, [&](const btCollisionObject& object) {
     if (isSoft(&object) || !isStaticOrKinematic(object) || !canHit(body, object)) return;
     any = true;
-    addOnce(body.partners, &object);
+    addHeld(body, object);
   });
-  sortById(body.partners, known);
-  for (std::size_t p = known; p < body.partners.size(); ++p) storePartner(body, *body.partners[p]);
+  sortHeld(body, known);
+  for (std::size_t p = known; p < body.heldPartners.size(); ++p) describePartner(body, body.heldPartners[p]);
   return any;
 }
 
@@ -190,7 +186,6 @@ class Watch final : public SearchWatch {
     tick_ = tick;
     on = false;
     rows.clear();
-    partners_.clear();
   }
 
   Regions regions() const override { return {&body_->masses.startPosition, &body_->searchDistance}; }
@@ -212,15 +207,10 @@ class Watch final : public SearchWatch {
   }
 
   void merge() override {
-    auto& own = body_->contacts;
-    auto& ownPartners = body_->contactPartners;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const auto index = std::upper_bound(own.begin(), own.end(), rows[r].point, isBefore) - own.begin();
-      own.insert(own.begin() + index, rows[r]);
-      ownPartners.insert(ownPartners.begin() + index, partners_[r]);
-    }
+    std::vector<PlaneContact>& own = body_->contacts;
+    for (const PlaneContact& row : rows)
+      own.insert(std::upper_bound(own.begin(), own.end(), row.point, isBefore), row);
     rows.clear();
-    partners_.clear();
   }
 
  private:
@@ -238,31 +228,24 @@ class Watch final : public SearchWatch {
     const double remaining = double(tick_) - time;
     body_->state.position.col(i) = x;
     const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, remaining);
-    addStaticPartners(*body_, toBullet(searchRegion.low), toBullet(searchRegion.high));
+    addStaticPartners(*body_, searchRegion.box);
     found_.clear();
-    foundPartners_.clear();
-    swapRows(found_, foundPartners_);
+    // the gather functions add to the body's contacts
+    std::swap(body_->contacts, found_);
     addStaticRows(*body_, i, searchRegion, tick_);
-    for (std::size_t p = 0; p < body_->partners.size(); ++p) {
+    for (std::uint32_t p = 0; p < body_->heldPartners.size(); ++p) {
       // kinematic objects are at their pose of the start of the tick: shift the point to the same position
       // relative to them
-      const btCollisionObject& partner = *body_->partners[p];
-      const Eigen::Vector3d shifted = x - time / double(tick_) * kinematicDisplacement(partner, x);
-      body_->state.position.col(i) = shifted;
-      addRows(*body_, i, partner, body_->heldPartners[p].stamp, v, remaining, tick_);
+      const btCollisionObject& partner = body_->heldPartners[p].object();
+      body_->state.position.col(i) = x - time / double(tick_) * kinematicDisplacement(partner, x);
+      addRows(*body_, i, p, v, remaining, tick_);
     }
-    swapRows(found_, foundPartners_);
+    std::swap(body_->contacts, found_);
     body_->state.position.col(i) = x;
-    if (isFiltered(*body_)) filterPlanes(*body_, found_, foundPartners_);
+    if (isFiltered(*body_)) filterPlanes(*body_, found_, nullptr);
     replaceRows(i);
     const double covered = (x - body_->masses.startPosition.col(i)).norm() + searchRegion.distance;
     body_->searchDistance[i] = std::max(body_->searchDistance[i], covered);
-  }
-
-  /// Makes the gather functions add to `r` and `p`.
-  void swapRows(std::vector<PlaneContact>& r, std::vector<const btCollisionObject*>& p) {
-    std::swap(body_->contacts, r);
-    std::swap(body_->contactPartners, p);
   }
 
   /// Replaces the point's earlier contacts by the new ones, which get their impulses.
@@ -270,27 +253,23 @@ class Watch final : public SearchWatch {
     const ContactRange old = contactsOfPoint(rows, i);
     for (std::size_t r = old.begin; r < old.end; ++r)
       for (std::size_t n = 0; n < found_.size(); ++n)
-        if (foundPartners_[n] == partners_[r]) {
+        if (found_[n].partner == rows[r].partner) {
           found_[n].impulse += rows[r].impulse;
           break;
         }
-    const auto at = [](std::size_t n) { return static_cast<std::ptrdiff_t>(n); };
-    rows.erase(rows.begin() + at(old.begin), rows.begin() + at(old.end));
-    partners_.erase(partners_.begin() + at(old.begin), partners_.begin() + at(old.end));
-    rows.insert(rows.begin() + at(old.begin), found_.begin(), found_.end());
-    partners_.insert(partners_.begin() + at(old.begin), foundPartners_.begin(), foundPartners_.end());
+    const auto first = rows.begin() + static_cast<std::ptrdiff_t>(old.begin);
+    const auto next = rows.erase(first, first + static_cast<std::ptrdiff_t>(old.end - old.begin));
+    rows.insert(next, found_.begin(), found_.end());
   }
 
   SoftBodyData* body_;
   btScalar tick_ = 0;
-  std::vector<const btCollisionObject*> partners_;  // #rows
-  std::vector<PlaneContact> found_;                 // scratch
-  std::vector<const btCollisionObject*> foundPartners_;
+  std::vector<PlaneContact> found_;  // scratch
 };
 
-bool turns(const btCollisionObject* object) {
-  return isMoved(*object) &&
-         !(object->getWorldTransform().getBasis() == object->getInterpolationWorldTransform().getBasis());
+bool turns(const btCollisionObject& object) {
+  return isMoved(object) &&
+         !(object.getWorldTransform().getBasis() == object.getInterpolationWorldTransform().getBasis());
 }
 
 /// Sets the spins of a body: of each point the rigid rotation w that fits the velocities of its neighbours
@@ -327,21 +306,149 @@ double turningShare(const Eigen::Vector3d& own, const Eigen::Vector3d& spin, con
 
 Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
   Eigen::AlignedBox3d box = boxOf(rigid);
-  const Eigen::Vector3d fall = tick * tick * double(rigid.getInvMass()) * toEigen(rigid.getTotalForce());
-  const Eigen::Vector3d motion = kSearchPerMotion * (tick * toEigen(rigid.getLinearVelocity()) + fall);
+  const Eigen::Vector3d motion =
+      kSearchPerMotion * (tick * toEigen(rigid.getLinearVelocity()) + fallOf(rigid, tick));
   const double rotation = kSearchPerMotion * tick * double(rotationSpeed(rigid));
   box.extend(box.min() + motion.cwiseMin(0.0)).extend(box.max() + motion.cwiseMax(0.0));
   return {box.min().array() - rotation, box.max().array() + rotation};
 }
 
+// --- bodies that have been placed into solids --------------------------------------------------------------
+
+// A body gets out of a solid at rest by moving all points along one direction, since the nearest faces would
+// push different points to different sides. Points on the far side of a thin solid pass through it on their
+// way.
+
+namespace {
+
+/// Returns the nearest point on the only solid of a partner.
+HeldPoint nearestOnSolid(const SoftBodyData& body, const HeldPartner& held, std::uint32_t i) {
+  const HeldPiece* piece = body.held.pieces.data() + held.solid;
+  return nearestOn(piece, piece + 1, body.state.position.col(i));
+}
+
+/// Returns the place between two at which the height over a solid, a convex function, is least.
+Eigen::Vector3d deepestBetween(const HeldPiece& solid, Eigen::Vector3d from, Eigen::Vector3d to) {
+  constexpr int kSteps = 24;  // to 6e-5 of the distance
+  const auto heightAt = [&](const Eigen::Vector3d& x) { return nearestOn(&solid, &solid + 1, x).height; };
+  for (int step = 0; step < kSteps; ++step) {
+    const Eigen::Vector3d third = (to - from) / 3.0;
+    if (heightAt(from + third) < heightAt(to - third))
+      to -= third;
+    else
+      from += third;
+  }
+  return 0.5 * (from + to);
+}
+
+/// Whether the place is in the body. Its boxes are fitted.
+bool isInBody(const SoftBodyData& body, const Eigen::Vector3d& place, double depth) {
+  const NearestOnSurface nearest = nearestOnSurface(body.surface.moving, place, HUGE_VAL);
+  return nearest.behind && nearest.distance > depth;
+}
+
+/// Whether an edge of the body's surface passes from one side of a solid to the other, somewhere deeper in it
+/// than `deepest` (m, below 0). One that lies on a round solid is between ends on the same side.
+bool passesThrough(const SoftBodyData& body, const HeldPartner& held, const Edge& edge, double deepest) {
+  const auto [a, b] = edge;
+  const Eigen::Vector3d from = body.state.position.col(a), to = body.state.position.col(b);
+  const HeldPoint atA = nearestOnSolid(body, held, a), atB = nearestOnSolid(body, held, b);
+  // no height changes by more than the distance
+  if (!(0.5 * (atA.height + atB.height - (to - from).norm()) < deepest) ||
+      !(atA.normal.dot(atB.normal) < 0.0))
+    return false;
+  const HeldPiece& solid = body.held.pieces[held.solid];
+  return nearestOn(&solid, &solid + 1, deepestBetween(solid, from, to)).height < deepest;
+}
+
+/// Whether a point of the body is deep in a solid, or the middle of the solid deep in the body, or an edge
+/// passes through the solid, which may be thin.
+bool overlaps(const SoftBodyData& body, const HeldPartner& held, const Eigen::Vector3d& middle) {
+  const double deepest = -2.0 * radiusOf(body);
+  for (std::uint32_t i = 0; i < pointCount(body); ++i)
+    if (nearestOnSolid(body, held, i).height < deepest) return true;
+  const std::vector<Edge>& edges = body.model->topology.edges;
+  return std::any_of(edges.begin(), edges.end(),
+                     [&](const Edge& edge) { return passesThrough(body, held, edge, 0.25 * deepest); }) ||
+         isInBody(body, middle, -deepest);
+}
+
+/// Fits the boxes of the body's surface as it is now. Contacts, which are found later, change its motion.
+void fitPresentSurface(SoftBodyData& body) {
+  SurfaceData& s = body.surface;
+  s.motion.setZero(3, body.state.position.cols());
+  s.moving = {&body.model->topology, &body.state.position, &s.motion, radiusOf(body), &s.boxes};
+  fitBoxes(s.moving, s.boxes);
+  s.motionValid = s.boxesValid = false;
+}
+
+/// Makes `held.out` the direction in which the body gets out of a solid by the shortest way: away from its
+/// centre, along one of its axes, or along the normal of a face that is the nearest one of a point inside.
+void chooseWayOut(const SoftBodyData& body, const btConvexShape& shape, const btTransform& pose,
+                  HeldPartner& held) {
+  double shortest = HUGE_VAL;
+  const auto consider = [&](const Eigen::Vector3d& direction) {
+    if (!(direction.norm() > 0.0)) return;
+    const Eigen::Vector3d unit = direction.normalized();
+    const btVector3 farthest = pose * shape.localGetSupportingVertex(toBullet(unit) * pose.getBasis());
+    const double end = unit.dot(toEigen(farthest));
+    const double way = end - (unit.transpose() * body.state.position).minCoeff();
+    if (way < shortest) shortest = way, held.out = unit, held.end = end;
+  };
+  consider(body.state.position.rowwise().mean() - toEigen(pose.getOrigin()));
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d axis = toEigen(pose.getBasis().getColumn(k));
+    consider(axis);
+    consider(-axis);
+  }
+  for (std::uint32_t i = 0; i < pointCount(body); ++i)
+    if (const HeldPoint nearest = nearestOnSolid(body, held, i); nearest.height < 0.0)
+      consider(nearest.normal);
+}
+
+}  // namespace
+
+bool isPushedOut(const SoftBodyData& body, const HeldPartner& held, std::uint32_t i) {
+  if (held.out.isZero(0.0)) return false;
+  if (nearestOnSolid(body, held, i).height < 0.0) return true;
+  const Eigen::Vector3d x = body.state.position.col(i);
+  const double ahead = held.end - held.out.dot(x);
+  if (!(ahead > 0.0)) return false;
+  const HeldPiece& solid = body.held.pieces[held.solid];
+  const Eigen::Vector3d place = deepestBetween(solid, x, x + ahead * held.out);
+  if (!(nearestOn(&solid, &solid + 1, place).height < 0.0)) return false;
+  const SurfaceTopology& t = body.model->topology;
+  return isInBody(body, place, 0.0) ||
+         std::any_of(t.edgesAround.begin(i), t.edgesAround.end(i),
+                     [&](std::uint32_t edge) { return passesThrough(body, held, t.edges[edge], 0.0); });
+}
+
+void findWaysOut(SoftBodyData& body) {
+  if (!isSurfaceBody(body) || !isSolid(body.model->topology)) return;
+  const bool wasOverlapping = body.surface.overlapTicks > 0;
+  bool fitted = false;
+  for (HeldPartner& held : body.heldPartners) {
+    const btCollisionShape& shape = *held.object().getCollisionShape();
+    if (!(wasOverlapping || held.came) || held.solid == HeldPartner::kNoSolid || !shape.isConvex() ||
+        isAttached(body, held.object()))
+      continue;
+    const btTransform& pose = held.object().getWorldTransform();
+    if (!fitted) fitPresentSurface(body);
+    fitted = true;
+    if (!overlaps(body, held, toEigen(pose.getOrigin()))) continue;
+    chooseWayOut(body, static_cast<const btConvexShape&>(shape), pose, held);
+    body.surface.overlapTicks = SurfaceData::kOverlapTicks;
+  }
+}
+
+// --- the contacts of a tick --------------------------------------------------------------------------------
+
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
-  body.contactPartners.clear();
   body.held.pieces.clear();
   body.neighbourhoodCount = 0;
   body.localSpins.areKnown = false;
   std::swap(body.heldPartners, body.lastHeldPartners);
-  body.heldPartners.clear();
   body.speeds = contactSpeeds(body, double(tick));
   body.watch->start(tick);
   forgetPartners(body);
@@ -351,15 +458,17 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   const Eigen::AlignedBox3d box = searchBox(body, double(tick));
   if (!surface || !partnersCover(body, box)) queryPartners(body, box, double(tick));
   if (!surface) disablePointResponse(body);
-  if (surface && body.partners.empty()) return;
-  for (const btCollisionObject* partner : body.partners) storePartner(body, *partner);
+  if (surface && body.heldPartners.empty()) return;
+  for (HeldPartner& partner : body.heldPartners) describePartner(body, partner);
   findWaysOut(body);
-  const auto mayEnterBox = [&](const btCollisionObject* partner) { return mayEnter(box, *partner); };
+  const auto anyPartner = [&](auto test) {
+    return std::any_of(body.heldPartners.begin(), body.heldPartners.end(),
+                       [&](const HeldPartner& partner) { return test(partner.object()); });
+  };
   body.watch->on = body.settings.continuousCollision &&
-                   std::any_of(body.partners.begin(), body.partners.end(), mayEnterBox);
-  const bool anyMoves = std::any_of(body.partners.begin(), body.partners.end(),
-                                    [](const btCollisionObject* partner) { return isMoved(*partner); });
-  body.localSpins.areKnown = anyMoves && std::any_of(body.partners.begin(), body.partners.end(), turns);
+                   anyPartner([&](const btCollisionObject& partner) { return mayEnter(box, partner); });
+  const bool anyMoves = anyPartner(isMoved);
+  body.localSpins.areKnown = anyMoves && anyPartner(turns);
   if (body.localSpins.areKnown) findLocalSpins(body);
   // Bullet may free a manifold at any time after this function
   const auto forgetManifold = [&](std::uint32_t i) {
@@ -368,9 +477,8 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   for (std::uint32_t i = 0; i < pointCount(body); forgetManifold(i++)) {
     if (body.masses.held[i]) continue;
     addStaticRows(body, i, searchRegionAround(body, i, body.searchDistance[i]), tick);
-    for (std::size_t p = 0; anyMoves && p < body.partners.size(); ++p)
-      addRows(body, i, *body.partners[p], body.heldPartners[p].stamp, body.state.velocity.col(i),
-              double(tick), tick);
+    for (std::uint32_t p = 0; anyMoves && p < body.heldPartners.size(); ++p)
+      addRows(body, i, p, body.state.velocity.col(i), double(tick), tick);
   }
 }
 
@@ -386,9 +494,8 @@ bool mayHaveMissedContacts(SoftBodyData& body) {
       box.extend(start).extend(end);
   }
   if (box.isEmpty()) return false;
-  const double margin = double(body.masses.shape->getRadius());
-  body.watch->on = addStaticPartners(body, toBullet(Eigen::Vector3d(box.min().array() - margin)),
-                                     toBullet(Eigen::Vector3d(box.max().array() + margin)));
+  const double margin = radiusOf(body);
+  body.watch->on = addStaticPartners(body, {box.min().array() - margin, box.max().array() + margin});
   return body.watch->on;
 }
 

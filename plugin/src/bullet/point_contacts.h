@@ -41,15 +41,15 @@ inline double recoverySpeed(double size, double gravity, double tick) {
 
 /// The region that a point may enter in a tick.
 struct SearchRegion {
-  Eigen::Vector3d low, high;
-  double distance;  ///< m, beyond the radius
+  Eigen::AlignedBox3d box;  ///< m
+  double distance;          ///< m, beyond the radius
 };
 
 /// Returns the region of point i up to a distance (m) beyond its radius.
 inline SearchRegion searchRegionAround(const SoftBodyData& body, Eigen::Index i, double distance) {
   const Eigen::Vector3d x = body.state.position.col(i);
-  const double size = double(body.masses.shape->getRadius()) + distance;
-  return {x.array() - size, x.array() + size, distance};
+  const double size = radiusOf(body) + distance;
+  return {{x.array() - size, x.array() + size}, distance};
 }
 
 /// Returns the region of a point with a velocity in `time` s. `partnerMotion` (m) is the motion of the
@@ -57,9 +57,8 @@ inline SearchRegion searchRegionAround(const SoftBodyData& body, Eigen::Index i,
 inline SearchRegion searchRegionFrom(const SoftBodyData& body, Eigen::Index i,
                                      const Eigen::Vector3d& velocity, double time,
                                      double partnerMotion = 0.0) {
-  const double radius = double(body.masses.shape->getRadius());
   const double motion = time * velocity.norm() + time * time * body.state.acceleration.col(i).norm();
-  return searchRegionAround(body, i, kSearchPerMotion * motion + partnerMotion + radius / 3.0);
+  return searchRegionAround(body, i, kSearchPerMotion * motion + partnerMotion + radiusOf(body) / 3.0);
 }
 
 inline SearchRegion searchRegionOf(const SoftBodyData& body, Eigen::Index i, double tick,
@@ -70,17 +69,16 @@ inline SearchRegion searchRegionOf(const SoftBodyData& body, Eigen::Index i, dou
 /// Returns whether the region overlaps the broadphase box of an object.
 inline bool overlaps(const SearchRegion& searchRegion, const btCollisionObject& partner) {
   const btBroadphaseProxy& proxy = *partner.getBroadphaseHandle();
-  return (toEigen(proxy.m_aabbMin).array() <= searchRegion.high.array()).all() &&
-         (toEigen(proxy.m_aabbMax).array() >= searchRegion.low.array()).all();
+  return searchRegion.box.intersects({toEigen(proxy.m_aabbMin), toEigen(proxy.m_aabbMax)});
 }
 
 /// Returns bounds of a body's points in a tick without contacts: the body moves with its mean velocity, and
 /// each point moves relative to it as in searchRegionOf(). They are smaller than the box around all search
-/// regions, because those allow for points that a hit pushes aside.
-inline SweptBounds sweptBoundsOf(SoftBodyData& body, double tick) {
+/// regions, because those allow for points that a hit pushes aside. `fall`: m, the largest motion by
+/// accelerations.
+inline SweptBounds sweptBoundsOf(SoftBodyData& body, double tick, double fall) {
   const MotionSums& s = sumsOf(body);
-  const double radius = double(body.masses.shape->getRadius());
-  const double fall = tick * tick * std::sqrt(body.state.acceleration.colwise().squaredNorm().maxCoeff());
+  const double radius = radiusOf(body);
   const double margin = radius + radius / 3.0 + kSearchPerMotion * (tick * std::sqrt(s.fastest) + fall);
   const Eigen::Vector3d displacement =
       kSearchPerMotion * tick * Eigen::Map<const Eigen::Vector3d>(s.meanVelocity);
@@ -92,13 +90,16 @@ inline SweptBounds sweptBoundsOf(SoftBodyData& body, double tick) {
           displacement};
 }
 
+inline SweptBounds sweptBoundsOf(SoftBodyData& body, double tick) {
+  const double squared = body.state.acceleration.colwise().squaredNorm().maxCoeff();
+  return sweptBoundsOf(body, tick, tick * tick * std::sqrt(squared));
+}
+
 /// Returns bounds (m) of another body with a surface in the present tick. They depend on its state alone, not
 /// on the box that the broadphase has of it. May be called while other threads read the body.
 inline Eigen::AlignedBox3d presentBoundsOf(const SoftBodyData& other) {
   if (!other.asleep) return other.surface.presentBounds.box;
-  const double radius = double(other.masses.shape->getRadius()), margin = radius + radius / 3.0;
-  const Points& x = other.state.position;
-  return {x.rowwise().minCoeff().array() - margin, x.rowwise().maxCoeff().array() + margin};
+  return boxAround(other.state.position, radiusOf(other) + radiusOf(other) / 3.0);
 }
 
 /// Returns the box (m) of an object's shape at its present pose.
@@ -167,10 +168,10 @@ bool isPushedOut(const SoftBodyData& body, const HeldPartner& held, std::uint32_
 /// Adds contacts of one point with the static partners of its body, within its search region in the tick (s).
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
 
-/// Adds contacts with a kinematic partner for a point that starts with a velocity and moves for `time` s of
-/// the tick. `stamp`: stampOf() the partner.
-void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
-             const Eigen::Vector3d& velocity, double time, btScalar tick);
+/// Adds contacts with a kinematic one of body.heldPartners for a point that starts with a velocity and moves
+/// for `time` s of the tick.
+void addRows(SoftBodyData& body, std::uint32_t i, std::uint32_t partner, const Eigen::Vector3d& velocity,
+             double time, btScalar tick);
 
 // --- contacts with dynamic objects -------------------------------------------------------------------------
 

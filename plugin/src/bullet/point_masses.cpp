@@ -5,10 +5,7 @@
 
 #include "bullet/point_masses.h"
 
-#include "bullet/bullet_objects.h"
-#include "bullet/saved_state.h"
-#include "bullet/soft_body_data.h"
-#include "solver/springs.h"
+#include "bullet/body_in_world.h"
 
 #include <cmath>
 
@@ -51,6 +48,9 @@ void remember(PointMasses& masses, std::uint32_t i) {
 }
 
 namespace {
+
+/// Returns whether the bodies differ from the state only where the application has changed them.
+bool isReadable(const PointMasses& masses) { return masses.exposed && !masses.inFlight; }
 
 /// Returns a very large inertia, which prevents rotation also in solvers that ignore the angular factor. The
 /// angular factor of a point mass is 0: it does not rotate and slides with its full friction. An inverse
@@ -192,13 +192,6 @@ void shareMass(const SoftBodyData& body, PointMass& point, std::uint32_t i, btSc
     point.setMassProps(mass, inertiaOf(body, mass));
 }
 
-/// Returns the mass of a point, of a pinned one that of before, exactly that of the settings if it is.
-btScalar presentMass(const PointMass& point, double ofSettings) {
-  const auto own = static_cast<btScalar>(ofSettings);
-  if (point.isKinematicObject()) return point.massBeforePin;
-  return point.getInvMass() == btScalar(1) / own ? own : point.getMass();
-}
-
 /// Makes the body of a new point like that of the point which it comes from.
 PointMass* copyOf(SoftBodyData& body, std::uint32_t i, const PointMass& from) {
   PointMass* point = makeBody(body, i);
@@ -228,6 +221,12 @@ void addCopyToWorld(const SoftBodyData& body, PointMass& point, const PointMass&
 }
 
 }  // namespace
+
+btScalar presentMass(const PointMass& point, double ofSettings) {
+  const auto own = static_cast<btScalar>(ofSettings);
+  if (point.isKinematicObject()) return point.massBeforePin;
+  return point.getInvMass() == btScalar(1) / own ? own : point.getMass();
+}
 
 void dividePointMasses(SoftBodyData& body, const std::vector<std::uint32_t>& pointOf,
                        const std::vector<double>& massBefore) {
@@ -364,13 +363,6 @@ bool anyPointMoves(const SoftBodyData& body, btScalar tick) {
   }
   return false;
 }
-
-namespace {
-
-/// Returns whether the bodies differ from the state only where the application has changed them.
-bool isReadable(const PointMasses& masses) { return masses.exposed && !masses.inFlight; }
-
-}  // namespace
 
 Eigen::Vector3d currentPosition(const SoftBodyData& body, std::uint32_t i) {
   const PointMass* point = isReadable(body.masses) ? body.masses.bodies[i] : nullptr;

@@ -161,6 +161,10 @@ void forgetMotion(SoftBodyData& body);
 /// at the end of a tick.
 bool anyPointMoves(const SoftBodyData& body, btScalar tick);
 
+/// Returns the mass (kg) of a point, of a pinned one that of before; exactly that of the settings (kg) if it
+/// is.
+btScalar presentMass(const PointMass& point, double ofSettings);
+
 /// Makes point i kinematic, or dynamic again with its mass.
 void setPinned(SoftBodyData& body, std::uint32_t i, bool pinned);
 

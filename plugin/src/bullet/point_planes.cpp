@@ -3,15 +3,10 @@
 // This file makes the contacts of a point with rigid objects. On static and kinematic objects they are planes
 // where the object is flat or moves; elsewhere they follow its surface within the tick.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
-#include "bullet/rigid_shapes.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/surface.h"
-#include "solver/point_state.h"
 
 #include <algorithm>
 #include <optional>
@@ -106,9 +101,10 @@ bool findNearest(SoftBodyData& body, const btCollisionShape& shape, const btTran
 struct PlaneRows {
   SoftBodyData& body;
   std::uint32_t point;
-  const btCollisionObject& partner;
+  std::uint32_t number;   ///< of the partner in body.heldPartners
   double searchDistance;  ///< m, beyond the radius
   btScalar tick;
+  const btCollisionObject& partner = body.heldPartners[number].object();
   std::size_t first = body.contacts.size();
 
   double radius() const { return radiusOf(body); }
@@ -129,17 +125,13 @@ struct PlaneRows {
         if (gap(row) < gap(body.contacts[i])) body.contacts[i] = row;
         return;
       }
-    push(row);
+    body.contacts.push_back(row);
   }
 
-  /// Adds the surface below the point if it is near. `height` (m): that of the point's centre.
-  void addBelow(const Vector3d& normal, double height) {
-    if (height - radius() <= searchDistance) add(normal, toBullet(position() - height * normal));
-  }
-
-  void addIfNear(const HeldPoint& nearest) {
-    if (nearest.height - radius() <= searchDistance)
-      add(nearest.normal, toBullet(position() - nearest.height * nearest.normal));
+  /// Adds the surface below the point's centre if it is near.
+  void addBelow(const HeldPoint& below) {
+    if (below.height - radius() <= searchDistance)
+      add(below.normal, toBullet(position() - below.height * below.normal));
   }
 
   /// Adds a contact whose plane follows the pieces of `owner` in `around` within the step. `contact` is its
@@ -150,7 +142,7 @@ struct PlaneRows {
     row.owner = owner;
     row.away = !contact;
     if (contact) row.normal = contact->normal, row.touch = contact->touch;
-    push(row);
+    body.contacts.push_back(row);
   }
 
   /// Returns the share of the partner's rotation that the point's surroundings have: 1 of a rope around a
@@ -161,19 +153,11 @@ struct PlaneRows {
   }
 
   PlaneContact makeRow() const {
-    const btRigidBody& own = materialOf(body, point);
     PlaneContact row;
     row.point = point;
-    row.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
-    row.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
-    row.bounceThreshold = body.speeds.bounce;
-    row.recoverySpeed = body.speeds.recovery;
+    row.partner = number;
+    setMaterial(row, materialOf(body, point), partner, body.speeds);
     return row;
-  }
-
-  void push(const PlaneContact& row) {
-    body.contacts.push_back(row);
-    body.contactPartners.push_back(&partner);
   }
 
   double gap(const PlaneContact& row) const { return row.normal.dot(position() - row.touch); }
@@ -185,15 +169,16 @@ struct PlaneRows {
 
 /// Adds the contact that Bullet found in the last tick. On a flat face it is still valid, because a slow
 /// point has not left the face. Returns false if there is none.
-bool addCachedRow(PlaneRows& rows, const PointMass& point, const btCollisionObject& partner) {
+bool addCachedRow(PlaneRows& rows) {
+  const PointMass& point = *rows.body.masses.bodies[rows.point];
   const btPersistentManifold* manifold = point.cachedContact;
   if (!manifold) return false;
   const bool pointIsFirst = manifold->getBody0() == &point;
-  if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &partner) return false;
+  if ((pointIsFirst ? manifold->getBody1() : manifold->getBody0()) != &rows.partner) return false;
   const btManifoldPoint& contact = manifold->getContactPoint(0);
   const btVector3 normal = pointIsFirst ? contact.m_normalWorldOnB : -contact.m_normalWorldOnB;
   rows.add(toEigen(normal),
-           partner.getWorldTransform() * (pointIsFirst ? contact.m_localPointB : contact.m_localPointA));
+           rows.partner.getWorldTransform() * (pointIsFirst ? contact.m_localPointB : contact.m_localPointA));
   return true;
 }
 
@@ -203,10 +188,11 @@ bool addCachedRow(PlaneRows& rows, const PointMass& point, const btCollisionObje
 constexpr btScalar kMaxCachedDisplacement = btScalar(0.1);
 
 /// Does the same for a point outside the world, for which Bullet has no manifold.
-bool addStoredRow(PlaneRows& rows, const CachedContact& cached, const btCollisionObject& partner,
-                  std::uint64_t stamp) {
+bool addStoredRow(PlaneRows& rows) {
+  const CachedContact& cached = rows.body.surface.contacts[rows.point];
+  const std::uint64_t stamp = rows.body.heldPartners[rows.number].stamp;
   if (stamp == 0 || cached.partner != stamp) return false;
-  const btTransform& pose = partner.getWorldTransform();
+  const btTransform& pose = rows.partner.getWorldTransform();
   const btScalar largest = kMaxCachedDisplacement * static_cast<btScalar>(rows.radius());
   if ((pose.invXform(toBullet(rows.position())) - cached.position).length2() > largest * largest)
     return false;
@@ -216,10 +202,12 @@ bool addStoredRow(PlaneRows& rows, const CachedContact& cached, const btCollisio
 
 /// Adds the contacts with what is nearest of the partner. Stores that of a surface's point with a convex
 /// partner for later ticks if it is the only one.
-void addNearestRows(PlaneRows& rows, SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner,
-                    std::uint64_t stamp, btScalar distance) {
+void addNearestRows(PlaneRows& rows) {
+  SoftBodyData& body = rows.body;
   const bool surfaceBody = isSurfaceBody(body);
-  const btTransform& pose = partner.getWorldTransform();
+  const btScalar distance = static_cast<btScalar>(rows.searchDistance);
+  const std::uint64_t stamp = body.heldPartners[rows.number].stamp;
+  const btTransform& pose = rows.partner.getWorldTransform();
   const Vector3d x = rows.position();
   int count = 0;
   CachedContact only;
@@ -241,16 +229,19 @@ void addNearestRows(PlaneRows& rows, SoftBodyData& body, std::uint32_t i, const 
     if (!addNearest(*theirs.getCollisionShape(), theirs.getWorldTransform()))
       add({toEigen(normal), double(gap) + rows.radius(), false}, surface);
   };
-  const btCollisionShape& shape = *partner.getCollisionShape();
+  const btCollisionShape& shape = *rows.partner.getCollisionShape();
   if (!addNearest(shape, pose))
-    findContacts(body, i, partner, distance + (surfaceBody ? roundingOf(shape) : btScalar(0)), addFound);
-  if (surfaceBody && stamp != 0 && count == 1) body.surface.contacts[i] = only;
+    findContacts(body, rows.point, rows.partner, distance + (surfaceBody ? roundingOf(shape) : btScalar(0)),
+                 addFound);
+  if (surfaceBody && stamp != 0 && count == 1) body.surface.contacts[rows.point] = only;
 }
 
 // --- static objects ----------------------------------------------------------------------------------------
 
-/// Returns whether the user may have excluded pairs with points of the body: not if the points are hidden.
-bool mayBeExcluded(const SoftBodyData& body) { return body.masses.exposed || !body.anchors.empty(); }
+/// Returns whether the user has excluded the pair. Points that are hidden and not attached are in none.
+bool isExcluded(const SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner) {
+  return (body.masses.exposed || !body.anchors.empty()) && !canHit(body, i, partner);
+}
 
 double heightAbove(const HeldPiece& sheet, const Vector3d& x) {
   return sheet.center.dot(x - sheet.axes.col(0));
@@ -325,11 +316,9 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
   const Vector3d x = body.state.position.col(i);
   const HeldPiece *first = range.first(body), *end = range.last(body);
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneRows rows{body, i, *body.partners[partner], searchRegion.distance, tick};
-    for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next) {
-      const HeldPoint nearest = nearestOnFlat(first, end, x, next);
-      rows.addBelow(nearest.normal, nearest.height);
-    }
+    PlaneRows rows{body, i, partner, searchRegion.distance, tick};
+    for (const HeldPiece* next = first; first != end && first->owner < endOfOwners; first = next)
+      rows.addBelow(nearestOnFlat(first, end, x, next));
   }
 }
 
@@ -355,7 +344,7 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   findContacts(around, body.state.position.col(i), Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
-    PlaneRows rows{body, i, *body.partners[partner], searchRegion.distance, tick};
+    PlaneRows rows{body, i, partner, searchRegion.distance, tick};
     for (; owner < endOfOwners; ++owner) {
       int missing = isOfTriangles(range.first(body), range.last(body), owner) ? 3 : 1;
       for (const HeldContact& c : around.contacts) {
@@ -373,13 +362,14 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
 PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedBox3d& box) {
   auto& partners = body.staticPartners;
   partners.clear();
-  for (std::size_t p = 0; p < body.partners.size(); ++p)
-    if (!isMoved(*body.partners[p]) && box.intersects(body.heldPartners[p].box) &&
-        !isPushedOut(body, body.heldPartners[p], i) &&
-        !(mayBeExcluded(body) && !canHit(body, i, *body.partners[p])))
+  for (std::uint32_t p = 0; p < body.heldPartners.size(); ++p) {
+    const HeldPartner& held = body.heldPartners[p];
+    if (!isMoved(held.object()) && box.intersects(held.box) && !isPushedOut(body, held, i) &&
+        !isExcluded(body, i, held.object()))
       partners.emplace_back(p, 1);
+  }
   std::vector<HeldPiece>& pieces = body.held.pieces;
-  const auto solidOf = [&](std::size_t partner) { return body.heldPartners[partner].solid; };
+  const auto solidOf = [&](std::uint32_t partner) { return body.heldPartners[partner].solid; };
   if (partners.size() == 1 && solidOf(partners[0].first) != HeldPartner::kNoSolid)
     return {solidOf(partners[0].first), solidOf(partners[0].first) + 1};
   const std::size_t begin = pieces.size();
@@ -389,7 +379,7 @@ PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedB
       pieces.push_back(HeldPiece(pieces[solid]));
       pieces.back().owner = owners++;
     } else {
-      owners = addPieces(*body.partners[partner], box, *body.shapes, owners, pieces);
+      owners = addPieces(body.heldPartners[partner].object(), box, *body.shapes, owners, pieces);
     }
     endOfOwners = owners;
   }
@@ -399,14 +389,14 @@ PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedB
 }  // namespace
 
 void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
-  for (std::size_t p = 0; body.surface.overlapTicks > 0 && p < body.heldPartners.size(); ++p) {
+  for (std::uint32_t p = 0; body.surface.overlapTicks > 0 && p < body.heldPartners.size(); ++p) {
     const HeldPartner& held = body.heldPartners[p];
-    if (isPushedOut(body, held, i) && !(mayBeExcluded(body) && !canHit(body, i, *body.partners[p])))
-      PlaneRows{body, i, *body.partners[p], searchRegion.distance, tick}.addBelow(
-          held.out, held.out.dot(body.state.position.col(i)) - held.end);
+    if (isPushedOut(body, held, i) && !isExcluded(body, i, held.object()))
+      PlaneRows{body, i, p, searchRegion.distance, tick}.addBelow(
+          {held.out, held.out.dot(body.state.position.col(i)) - held.end, true});
   }
   const std::size_t before = body.held.pieces.size();
-  const PieceRange range = findPieces(body, i, {searchRegion.low, searchRegion.high});
+  const PieceRange range = findPieces(body, i, searchRegion.box);
   HeldPiece *first = range.first(body), *last = range.last(body);
   if (first == last) return;
   chooseSides(body, i, first, last);
@@ -417,28 +407,26 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
   body.held.pieces.resize(before);
 }
 
-void addRows(SoftBodyData& body, std::uint32_t i, const btCollisionObject& partner, std::uint64_t stamp,
-             const Vector3d& velocity, double time, btScalar tick) {
+void addRows(SoftBodyData& body, std::uint32_t i, std::uint32_t number, const Vector3d& velocity, double time,
+             btScalar tick) {
+  const btCollisionObject& partner = body.heldPartners[number].object();
   if (!isMoved(partner)) return;
   const double travel = kinematicDisplacement(partner, body.state.position.col(i)).norm();
   const SearchRegion searchRegion = searchRegionFrom(body, i, velocity, time, kSearchPerMotion * travel);
-  if (!overlaps(searchRegion, partner)) return;
-  if (mayBeExcluded(body) && !canHit(body, i, partner)) return;
+  if (!overlaps(searchRegion, partner) || isExcluded(body, i, partner)) return;
   const double distance = searchRegion.distance;
   // the object may carry the point along, without a new search
   body.searchDistance[i] = std::max(body.searchDistance[i], distance);
-  PlaneRows rows{body, i, partner, distance, tick};
+  PlaneRows rows{body, i, number, distance, tick};
   const btCollisionShape& shape = *partner.getCollisionShape();
   const btTransform& pose = partner.getWorldTransform();
   const bool surfaceBody = isSurfaceBody(body);
-  const bool isPlane = shape.getShapeType() == STATIC_PLANE_PROXYTYPE;
-  if (const std::optional<HeldPiece> solid = isPlane || surfaceBody ? solidOf(shape, pose) : std::nullopt)
-    return rows.addIfNear(nearestOn(&*solid, &*solid + 1, rows.position()));
+  if (const std::optional<HeldPiece> solid =
+          isPlane(partner) || surfaceBody ? solidOf(shape, pose) : std::nullopt)
+    return rows.addBelow(nearestOn(&*solid, &*solid + 1, rows.position()));
   if (surfaceBody && body.surface.contacts.empty()) body.surface.contacts.resize(pointCount(body));
   const bool isSlow = distance <= kSlowSearchDistance * rows.radius();
-  if (!isSlow || !(surfaceBody ? addStoredRow(rows, body.surface.contacts[i], partner, stamp)
-                               : addCachedRow(rows, *body.masses.bodies[i], partner)))
-    addNearestRows(rows, body, i, partner, stamp, static_cast<btScalar>(distance));
+  if (!isSlow || !(surfaceBody ? addStoredRow : addCachedRow)(rows)) addNearestRows(rows);
 }
 
 // --- dynamic rigid bodies ----------------------------------------------------------------------------------
@@ -454,24 +442,19 @@ double displacementInTick(const btRigidBody& partner, double tick) {
 /// Adds a contact of point i. Of contacts in the same direction, from `first` on, only the nearest counts.
 void addPair(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, const Vector3d& normal,
              const Vector3d& surface, std::size_t first, TickContacts& found) {
-  const btRigidBody& own = materialOf(body, i);
-  Contact c;
-  c.a.kind = ContactPoint::Kind::Soft;
-  c.a.body = body.index;
-  c.a.point[0] = i;
+  TickContact c;
+  c.source = {nullptr, &body, nullptr, handleOf(objectInWorld(partner)), i};
+  c.a = softPoint(body.index, i);
   c.b = rigidContactPoint(found, partner, toBullet(surface));
   c.normal = normal;
   c.gap = normal.dot(body.state.position.col(i) - surface) - radiusOf(body);
-  c.friction = double(gCalculateCombinedFrictionCallback(&own, &partner));
-  c.restitution = double(gCalculateCombinedRestitutionCallback(&own, &partner));
-  c.bounceThreshold = body.speeds.bounce;
-  c.recoverySpeed = body.speeds.recovery;
+  setMaterial(c, materialOf(body, i), partner, body.speeds);
   for (std::size_t k = first; k < found.contacts.size(); ++k)
     if (found.contacts[k].normal.dot(normal) > kSameSurface) {
       if (c.gap < found.contacts[k].gap) found.contacts[k] = c;
       return;
     }
-  found.add(c, {nullptr, &body, nullptr, handleOf(objectInWorld(partner)), i});
+  found.contacts.push_back(c);
 }
 
 void addPairs(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, double tick,
@@ -497,17 +480,10 @@ void addPairs(SoftBodyData& body, std::uint32_t i, const btRigidBody& partner, d
       });
 }
 
-void wake(btRigidBody& partner) {
-  if (partner.isActive() || partner.getActivationState() == DISABLE_SIMULATION) return;
-  partner.activate(true);
-  // the world has already applied gravity to the bodies that were awake at the start of the step
-  partner.applyGravity();
-}
-
 }  // namespace
 
 void gatherPairs(SoftBodyData& body, btRigidBody& partner, btScalar tick, TickContacts& found) {
-  wake(partner);
+  if (!partner.isActive() && partner.getActivationState() != DISABLE_SIMULATION) wakeInStep(partner);
   for (std::uint32_t i = 0; i < pointCount(body); ++i) addPairs(body, i, partner, double(tick), found);
 }
 

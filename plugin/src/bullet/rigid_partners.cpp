@@ -3,16 +3,14 @@
 // This file gathers rigid bodies for the step and writes the result so that Bullet's solver moves them as
 // the step did.
 
-#include "bullet/rigid_partners.h"
-
 #include "bullet/kinematic_motion.h"
+#include "bullet/tick_contacts.h"
 #include "mesh/surface.h"
 
 #include <cmath>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-
 namespace {
 
 const btTransform& endPoseOf(const btRigidBody& body) {
@@ -95,6 +93,25 @@ double dampingFactor(btScalar damping, btScalar tick) {
   return std::pow(1.0 - double(damping), double(tick));
 }
 
+/// Bullet turns a body by no more than this in a tick, radians (btTransformUtil.h).
+constexpr double kMostTurned = 0.25 * kPi;
+
+/// Gives the body the motion of its step, and what else acted on it: fast turns are not those that Bullet
+/// makes, and offsets are for Bullet's joints only. Its anchors would be torn off their points.
+void completeMotion(RigidPartner& partner, btScalar tick) {
+  constexpr double kSameTurn = 1e-4;  // radians
+  const Eigen::Vector3d made = double(tick) * toEigen(partner.body->getAngularVelocity());
+  const Eigen::Vector3d missing = partner.turn - double(tick) * toEigen(partner.expectedAngularVelocity);
+  const Eigen::Vector3d turn = made + missing;
+  const bool isTurned = turn.norm() < kMostTurned && missing.norm() < kSameTurn;
+  if (isTurned && partner.velocityOffset.isZero(0.0)) return;
+  btTransform pose = partner.body->getWorldTransform();
+  pose.setOrigin(pose.getOrigin() - tick * toBullet(partner.velocityOffset));
+  const Eigen::Quaterniond q = rotationBy(turn) * partner.start.rotation;
+  pose.setRotation(toBullet(q));
+  partner.body->setCenterOfMassTransform(pose);
+}
+
 }  // namespace
 
 RigidPartner makePartner(btRigidBody& body) {
@@ -145,29 +162,6 @@ void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar t
   partner.expectedAngularVelocity = toBullet(reached);
   partner.turn = h * motion.angularVelocity;
 }
-
-namespace {
-
-/// Bullet turns a body by no more than this in a tick, radians (btTransformUtil.h).
-constexpr double kMostTurned = 0.25 * kPi;
-
-/// Gives the body the motion of its step, and what else acted on it: fast turns are not those that Bullet
-/// makes, and offsets are for Bullet's joints only. Its anchors would be torn off their points.
-void completeMotion(RigidPartner& partner, btScalar tick) {
-  constexpr double kSameTurn = 1e-4;  // radians
-  const Eigen::Vector3d made = double(tick) * toEigen(partner.body->getAngularVelocity());
-  const Eigen::Vector3d missing = partner.turn - double(tick) * toEigen(partner.expectedAngularVelocity);
-  const Eigen::Vector3d turn = made + missing;
-  const bool isTurned = turn.norm() < kMostTurned && missing.norm() < kSameTurn;
-  if (isTurned && partner.velocityOffset.isZero(0.0)) return;
-  btTransform pose = partner.body->getWorldTransform();
-  pose.setOrigin(pose.getOrigin() - tick * toBullet(partner.velocityOffset));
-  const Eigen::Quaterniond q = rotationBy(turn) * partner.start.rotation;
-  pose.setRotation(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())));
-  partner.body->setCenterOfMassTransform(pose);
-}
-
-}  // namespace
 
 void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick) {
   if (partner.held) return;

@@ -3,7 +3,6 @@
 // This file makes and caches the surfaces of Bullet's shapes, and moves those of the rigid objects near soft
 // bodies to their positions in a tick.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/tick_contacts.h"
@@ -360,9 +359,9 @@ std::uint64_t stampOf(const btCollisionObject& object) {
   const btCollisionShape& shape = *object.getCollisionShape();
   if (!shape.isConvex()) return 0;
   std::uint64_t hash = hashOfShape(shape);
-  for (const std::uint64_t part : {std::uint64_t{reinterpret_cast<std::uintptr_t>(&object)},
-                                   std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)},
-                                   static_cast<std::uint64_t>(object.getBroadphaseHandle()->m_uniqueId)})
+  for (const std::uint64_t part :
+       {std::uint64_t{reinterpret_cast<std::uintptr_t>(&object)},
+        std::uint64_t{reinterpret_cast<std::uintptr_t>(&shape)}, static_cast<std::uint64_t>(idOf(object))})
     addToHash(hash, part);
   return hash | 1;
 }

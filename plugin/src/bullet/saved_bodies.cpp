@@ -3,13 +3,9 @@
 // This file saves and restores the state of whole systems, copies bodies, and writes them with their networks
 // to files, Bullet's included.
 
-#include "bullet/saved_state.h"
-#include "bullet/soft_body_data.h"
+#include "bullet/body_in_world.h"
 #include "bullet/system_impl.h"
 #include "mesh/bytes.h"
-
-#include <limber/soft_body.h>
-#include <limber/soft_body_system.h>
 
 #include <LinearMath/btSerializer.h>
 

@@ -3,19 +3,11 @@
 // This file saves the state of a body as bytes, and restores it. A state is one list of numbers, which
 // transferState() declares for the writer and the reader.
 
-#include "bullet/saved_state.h"
-
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
 #include "bullet/linked_group.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "bullet/tick_contacts.h"
 #include "mesh/bytes.h"
-
-#include <limber/soft_body.h>
 
 #include <algorithm>
 #include <cmath>
@@ -141,7 +133,7 @@ void transferSettings(Stream& stream, Settings& s) {
 // --- the state of a body -----------------------------------------------------------------------------------
 
 /// What continues a body's motion, but for what is computed anew in each tick.
-struct BodyState {
+struct BodyState : MotionMemory {
   std::uint64_t network = 0;  ///< hash
   SoftBodySettings settings;
   std::vector<double> position, velocity, startPosition;  ///< 3 x #points
@@ -153,14 +145,9 @@ struct BodyState {
   std::vector<std::uint8_t> broken;                       ///< #springs, likewise, or empty
   Eigen::Quaterniond frame = Eigen::Quaterniond::Identity();
   bool asleep = false, freed = false;
-  double calmTime = 0.0, softenedTo = 0.0, resolved = 0.0, errorPerSecond = 0.0, errorCoefficient = 0.0;
+  double softenedTo = 0.0;
   std::vector<double> softenedMass;  ///< 3 x #points, inverse masses for which it was softened, or empty
-  RateHistory rates;
-  EnergyLimit energy;
-  int substeps = 0, overlapTicks = 0, resolvedBy = 0;
-  Stepper stepper = Stepper::Verlet;
-  bool prefersImplicit = false;
-  std::uint32_t restorations = 0;
+  int overlapTicks = 0;
   Eigen::Vector3d jointLinear = Eigen::Vector3d::Zero(), jointAngular = Eigen::Vector3d::Zero();
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
   std::vector<double> otherForces;                     ///< 3, N/kg, BodyMedium::others, or empty
@@ -172,13 +159,6 @@ struct BodyState {
   std::vector<std::uint32_t> sides;         ///< 8 x #contacts(), two sides' triangle and points
   std::vector<double> contact;              ///< 20 x #contacts(), see numbersOf()
 };
-
-template <class Stream, class Rates>
-void transferRates(Stream& stream, Rates& rates) {
-  stream.value("rates", rates.boundSquared);
-  stream.value("rates", rates.fastestSquared);
-  stream.value("rates", rates.turnRate);
-}
 
 template <class Stream, class State>
 void transferState(Stream& stream, State& s) {
@@ -201,13 +181,14 @@ void transferState(Stream& stream, State& s) {
   for (auto* number : {&s.calmTime, &s.softenedTo, &s.resolved, &s.errorPerSecond, &s.errorCoefficient})
     stream.value("measures", *number);
   stream.array("inverse masses", s.softenedMass);
-  transferRates(stream, s.rates.now);
-  transferRates(stream, s.rates.before);
-  stream.value("age", s.rates.age);
-  for (auto* flag : {&s.energy.on, &s.energy.persists, &s.energy.forceScaled})
+  for (auto* rates : {&s.rateHistory.now, &s.rateHistory.before})
+    for (auto* rate : {&rates->boundSquared, &rates->fastestSquared, &rates->turnRate})
+      stream.value("rates", *rate);
+  stream.value("age", s.rateHistory.age);
+  for (auto* flag : {&s.energyLimit.on, &s.energyLimit.persists, &s.energyLimit.forceScaled})
     transferFlag(stream, "energy limit", *flag);
-  stream.value("energy limit", s.energy.bound);
-  for (auto* number : {&s.energy.atEnd, &s.energy.tick, &s.energy.unsteady})
+  stream.value("energy limit", s.energyLimit.bound);
+  for (auto* number : {&s.energyLimit.atEnd, &s.energyLimit.tick, &s.energyLimit.unsteady})
     stream.value("energy limit", *number);
   stream.value("substeps", s.substeps);
   stream.value("stepper", s.stepper);
@@ -277,10 +258,8 @@ void savePoints(const SoftBodyData& body, BodyState& s) {
     if (!body.masses.bodies[i]) continue;  // deleted by the application
     const PointMass& point = *body.masses.bodies[i];
     s.pinned[i] = point.isKinematicObject();
-    const btScalar own = static_cast<btScalar>(body.model->masses[i]);
-    const btScalar mass = s.pinned[i] ? point.massBeforePin : point.getMass();
-    // setMassProps() and getMass() round
-    if (mass != own && point.getInvMass() != btScalar(1) / own) s.mass[i] = double(mass);
+    const btScalar mass = presentMass(point, s.mass[i]);
+    if (mass != static_cast<btScalar>(s.mass[i])) s.mass[i] = double(mass);
     for (int axis = 0; axis < 3 && s.pinned[i]; ++axis)
       s.pinTarget[3 * std::size_t{i} + static_cast<std::size_t>(axis)] =
           double(point.getWorldTransform().getOrigin()[axis]);
@@ -378,17 +357,7 @@ BodyState stateOf(SoftBodyData& body) {
   s.asleep = body.asleep;
   s.freed = body.surface.freed;
   s.overlapTicks = body.surface.overlapTicks;
-  s.calmTime = body.calmTime;
-  s.resolved = body.resolved;
-  s.resolvedBy = body.resolvedBy;
-  s.errorPerSecond = body.errorPerSecond;
-  s.errorCoefficient = body.errorCoefficient;
-  s.rates = body.rateHistory;
-  s.energy = body.energyLimit;
-  s.substeps = body.substeps;
-  s.stepper = body.stepper;
-  s.prefersImplicit = body.prefersImplicit;
-  s.restorations = body.restorations;
+  static_cast<MotionMemory&>(s) = body;
   if (body.medium) s.lastWind = body.medium->lastWind;
   if (body.medium && body.medium->others) s.otherForces = numbersOf(*body.medium->others);
   return s;
@@ -466,13 +435,14 @@ void restoreImpulses(SoftBodyData& body, const BodyState& s) {
     const btCollisionObject* object = objectAt(body, s.touched[i]);
     if (!object) continue;
     const double* j = s.impulse.data() + 4 * i;
-    body.storedImpulses.push_back({object->getBroadphaseHandle()->m_uniqueId, object, s.key[i],
-                                   ContactImpulse{j[0], Eigen::Vector3d(j[1], j[2], j[3])}});
+    body.storedImpulses.push_back(
+        {idOf(*object), object, s.key[i], ContactImpulse{j[0], Eigen::Vector3d(j[1], j[2], j[3])}});
   }
   sortImpulses(body.storedImpulses);
 }
 
 void restoreNear(SoftBodyData& body, const BodyState& s) {
+  body.contacts.clear();
   body.heldPartners.clear();
   for (std::size_t i = 0; i < s.near.size(); ++i) {
     const btCollisionObject* object = objectAt(body, s.near[i]);
@@ -504,7 +474,7 @@ void restoreContacts(SoftBodyData& body, const BodyState& s) {
     c.body = body.handle;
     c.other = objectAt(body, s.other[i]);
     if (!c.other) continue;
-    c.otherBody = findPoint(c.other).body ? findPoint(c.other).body : findSurface(c.other).body;
+    if (const SoftBodyData* other = ownerOf(*c.other)) c.otherBody = other->handle;
     const std::uint32_t* at = s.sides.data() + kSideNumbers * i;
     for (ContactSide* side : {&c.side, &c.otherSide}) {
       side->triangle = *at++;
@@ -533,17 +503,7 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   body.surface.frame = s.frame;
   body.surface.joints = {s.jointLinear, s.jointAngular};
   body.surface.joints.set = JointMotion::kUnknown;
-  body.calmTime = s.calmTime;
-  body.resolved = s.resolved;
-  body.resolvedBy = s.resolvedBy;
-  body.errorPerSecond = s.errorPerSecond;
-  body.errorCoefficient = s.errorCoefficient;
-  body.rateHistory = s.rates;
-  body.energyLimit = s.energy;
-  body.substeps = s.substeps;
-  body.stepper = s.stepper;
-  body.prefersImplicit = s.prefersImplicit;
-  body.restorations = s.restorations;
+  static_cast<MotionMemory&>(body) = s;
   mediumOf(body).lastWind = s.lastWind;
   body.medium->others.reset();
   if (!s.otherForces.empty()) body.medium->others = Eigen::Map<const Eigen::Vector3d>(s.otherForces.data());

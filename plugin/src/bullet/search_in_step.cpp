@@ -23,7 +23,7 @@ void forEachContact(const Island& island, std::uint32_t number, const TickContac
   const auto begin = island.contacts.begin();
   for (auto it = std::lower_bound(begin, island.contacts.end(), m.first);
        it != island.contacts.end() && *it < m.end; ++it)
-    visit(found.sources[*it].key, static_cast<std::uint32_t>(it - begin));
+    visit(found.contacts[*it].source.key, static_cast<std::uint32_t>(it - begin));
   const std::size_t first = island.contacts.size() + island.rows.size();
   for (std::size_t i = 0; i < island.late.size(); ++i)
     if (island.late[i].candidate == number)
@@ -84,10 +84,10 @@ void storeFound(Island& island, std::uint32_t number, const TickContacts& found,
   std::vector<std::uint32_t>& newOnes = inStep.newOnes;
   newOnes.clear();
   for (std::uint32_t i = 0; i < inStep.contacts.size(); ++i) {
-    Contact& contact = inStep.contacts[i];
+    TickContact& contact = inStep.contacts[i];
     contact.a.body = m.a;
     contact.b.body = m.b;
-    if (Contact* old = oldContact(island, inStep.sources[i].key))
+    if (Contact* old = oldContact(island, contact.source.key))
       renew(*old, contact);
     else
       newOnes.push_back(i);
@@ -97,7 +97,7 @@ void storeFound(Island& island, std::uint32_t number, const TickContacts& found,
       renew(*old, inStep.contacts[i]);
       continue;
     }
-    island.late.push_back({number, inStep.sources[i]});
+    island.late.push_back({number, inStep.contacts[i].source});
     island.step.pairs.contacts.push_back(inStep.contacts[i]);
   }
 }

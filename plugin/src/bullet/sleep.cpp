@@ -3,10 +3,8 @@
 // This file puts groups to sleep and wakes them.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "bullet/surface_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,12 +58,8 @@ bool isChanged(const LinkedGroup& group) {
 
 void wakeGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) wakeBody(*body, true);
-  for (RigidPartner& partner : group.rigids) {
-    btRigidBody& rigid = *partner.body;
-    if (rigid.isActive() || rigid.isStaticOrKinematicObject()) continue;
-    rigid.activate(true);
-    rigid.applyGravity();
-  }
+  for (RigidPartner& partner : group.rigids)
+    if (!partner.body->isActive() && !partner.body->isStaticOrKinematicObject()) wakeInStep(*partner.body);
   group.asleep = false;
   group.calmTime = 0.0;
 }
@@ -190,14 +184,7 @@ bool isIslandMarked(LinkedGroup& group, const SleepScratch& s) {
 
 /// Returns a box (m) around the motion of the body in a tick.
 Eigen::AlignedBox3d boxOf(SoftBodyData& body, double tick) {
-  const MotionSums& sums = sumsOf(body);
-  const double fall = tick * tick * double(body.world->getGravity().length());
-  const double margin =
-      4.0 / 3.0 * radiusOf(body) + kSearchPerMotion * (tick * std::sqrt(sums.fastest) + fall);
-  const Eigen::Vector3d path = kSearchPerMotion * tick * Eigen::Map<const Eigen::Vector3d>(sums.meanVelocity);
-  const Eigen::Vector3d low = Eigen::Map<const Eigen::Vector3d>(sums.low) + path.cwiseMin(0.0);
-  const Eigen::Vector3d high = Eigen::Map<const Eigen::Vector3d>(sums.high) + path.cwiseMax(0.0);
-  return {low.array() - margin, high.array() + margin};
+  return sweptBoundsOf(body, tick, tick * tick * double(body.world->getGravity().length())).box;
 }
 
 bool isQuiet(const LinkedGroup& group) { return group.asleep || wantsSleep(group); }

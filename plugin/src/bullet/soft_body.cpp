@@ -5,17 +5,9 @@
 #include <limber/soft_body.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "mesh/surface.h"
-#include "solver/point_state.h"
-#include "solver/springs.h"
-#include "solver/verlet_step.h"
 
-#include <limber/contacts.h>
 #include <limber/network_builder.h>
 
 #include <algorithm>
@@ -62,21 +54,13 @@ namespace {
 
 Eigen::Vector3d noVector() { return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-}  // namespace
-
-Eigen::Vector3d SoftBody::position(std::uint32_t i) const {
-  if (i >= pointCount()) return noVector();
-  readObject(*data_);
-  return currentPosition(*data_, i);
+Error noPoint(const SoftBody& body, std::uint32_t i) {
+  const std::string point = "point " + std::to_string(i);
+  if (i < body.pointCount()) return {point + " has been deleted"};
+  return {"there is no " + point + ": the body has " + std::to_string(body.pointCount()) + " points"};
 }
 
-Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const {
-  if (i >= pointCount()) return noVector();
-  readObject(*data_);
-  return currentVelocity(*data_, i);
-}
-
-namespace {
+Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
 
 /// Writes positionOf(i) for all points.
 template <class PositionOf>
@@ -98,6 +82,18 @@ void writeSkin(SoftBodyData& body, WritePoints writePoints, float* xyz) {
 }
 
 }  // namespace
+
+Eigen::Vector3d SoftBody::position(std::uint32_t i) const {
+  if (i >= pointCount()) return noVector();
+  readObject(*data_);
+  return currentPosition(*data_, i);
+}
+
+Eigen::Vector3d SoftBody::velocity(std::uint32_t i) const {
+  if (i >= pointCount()) return noVector();
+  readObject(*data_);
+  return currentVelocity(*data_, i);
+}
 
 void SoftBody::writePositions(float* xyz) const {
   readObject(*data_);
@@ -166,18 +162,6 @@ Result<void> SoftBody::exportSprings(const std::string& file) const {
   return saveSprings(network(), points, file);
 }
 
-namespace {
-
-Error noPoint(const SoftBody& body, std::uint32_t i) {
-  const std::string point = "point " + std::to_string(i);
-  if (i < body.pointCount()) return {point + " has been deleted"};
-  return {"there is no " + point + ": the body has " + std::to_string(body.pointCount()) + " points"};
-}
-
-Error notPinned(std::uint32_t i) { return {"point " + std::to_string(i) + " is not pinned"}; }
-
-}  // namespace
-
 Result<void> SoftBody::pin(std::uint32_t i) {
   if (!point(i)) return noPoint(*this, i);
   if (!alive()) return notAlive();
@@ -217,15 +201,11 @@ bool SoftBody::pinned(std::uint32_t i) const {
   return point && point->isKinematicObject();
 }
 
-bool SoftBody::attached(std::uint32_t i) const {
-  return std::any_of(data_->anchors.begin(), data_->anchors.end(),
-                     [&](const Anchor& anchor) { return anchor.point == i; });
-}
+bool SoftBody::attached(std::uint32_t i) const { return isAttached(*data_, i); }
 
 btVector3 SoftBody::anchorForce(std::uint32_t i) const {
-  for (const Anchor& anchor : data_->anchors)
-    if (anchor.point == i) return anchor.force;
-  return btVector3(0, 0, 0);
+  const auto anchor = findAnchor(*data_, i);
+  return anchor != data_->anchors.end() ? anchor->force : btVector3(0, 0, 0);
 }
 
 std::uint32_t SoftBody::restorations() const { return data_->restorations; }
@@ -255,10 +235,6 @@ const PointState& current(SoftBodyData& data) {
   absorbOutsideChanges(data);
   return data.state;
 }
-
-}  // namespace
-
-namespace {
 
 /// Returns the force (N) of springs, dampers and volumes on point i.
 Eigen::Vector3d innerForce(const SoftBodyData& body, const PointState& state, std::uint32_t i) {

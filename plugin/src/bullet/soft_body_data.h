@@ -114,6 +114,7 @@ struct HeldPartner {
   Eigen::AlignedBox3d box;  ///< m
   std::uint64_t stamp = 0;  ///< see stampOf(); 0 if the object is at rest
   bool came = true;         ///< it was not near in the last tick, or elsewhere, or of another size
+  const btCollisionObject& object() const { return *handle.object; }
 
   static constexpr std::size_t kNoSolid = static_cast<std::size_t>(-1);
   std::size_t solid = kNoSolid;  ///< index in SoftBodyData::held of its only piece, if it is
@@ -238,6 +239,21 @@ struct EnergyLimit {
   double unsteady = 0.0;     ///< s, time for which the last change of the tick's length still counts
 };
 
+/// What a body remembers of its motion. Saved states have it.
+struct MotionMemory {
+  double calmTime = 0.0;  ///< s, see LinkedGroup::calmTime
+  double resolved = 0.0;  ///< rad^2/s^2, LinkedGroup::resolved, which ends with the group
+  int resolvedBy = 0;     ///< the maximum of substeps that resolved it
+  RateHistory rateHistory;
+  EnergyLimit energyLimit;
+  int substeps = 0;                   ///< in the last tick
+  Stepper stepper = Stepper::Verlet;  ///< in the last tick
+  double errorPerSecond = 0.0;        ///< m/s
+  double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem
+  bool prefersImplicit = false;       ///< in the last tick, if it were in no island
+  std::uint32_t restorations = 0;     ///< number of ticks with a restoration
+};
+
 /// The region of a cut.
 struct Cut {
   Eigen::Vector3d point, normal;         ///< m, unit
@@ -252,7 +268,7 @@ struct LocalSpins {
 };
 
 /// The data of a SoftBody.
-struct SoftBodyData {
+struct SoftBodyData : MotionMemory {
   std::shared_ptr<const BodyModel> model;
   SoftBodySettings settings;
   SoftBody* handle = nullptr;
@@ -285,24 +301,23 @@ struct SoftBodyData {
   PointMasses masses;
   SurfaceData surface;
   std::vector<Anchor> anchors;
-  std::vector<PlaneContact> contacts;                     ///< of the present tick, by point
-  std::vector<const btCollisionObject*> contactPartners;  ///< #contacts
-  HeldSurroundings held;  ///< pieces at rest near the body, see addStaticRows()
-  std::vector<std::pair<std::size_t, std::uint32_t>> staticPartners;  ///< scratch of one point: indices in
-                                                                      ///< `partners`, ends of their owners
-  std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;     ///< of points, in `held`; kept to reuse
-                                                                      ///< the memory
-  std::size_t neighbourhoodCount = 0;                                 ///< of the present tick
+  std::vector<PlaneContact> contacts;  ///< of the present tick, by point, with `heldPartners`
+  HeldSurroundings held;               ///< pieces at rest near the body, see addStaticRows()
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>
+      staticPartners;                                              ///< scratch of one point: indices in
+                                                                   ///< `heldPartners`, ends of their owners
+  std::vector<std::unique_ptr<HeldNeighbourhood>> neighbourhoods;  ///< of points, in `held`; kept to reuse
+                                                                   ///< the memory
+  std::size_t neighbourhoodCount = 0;                              ///< of the present tick
   LocalSpins localSpins;
-  std::vector<double> searchDistance;              ///< #points, m, of the search for contacts
-  std::unique_ptr<SearchWatch> watch;              ///< finds contacts beyond the search distance
-  ContactSpeeds speeds;                            ///< of the present tick
-  std::vector<const btCollisionObject*> partners;  ///< static and kinematic, near in this tick
-  std::vector<HeldPartner> heldPartners;           ///< #partners, or empty
-  std::vector<HeldPartner> lastHeldPartners;       ///< those of the last tick
-  std::vector<ObjectHandle> sensors;               ///< near in this tick, see addSensor()
-  std::vector<btRigidBody*> freePartners;          ///< near in this tick, neither static nor kinematic
-  std::vector<SoftBodyData*> softPartners;         ///< near in this tick, with surfaces
+  std::vector<double> searchDistance;         ///< #points, m, of the search for contacts
+  std::unique_ptr<SearchWatch> watch;         ///< finds contacts beyond the search distance
+  ContactSpeeds speeds;                       ///< of the present tick
+  std::vector<HeldPartner> heldPartners;      ///< static and kinematic, near in this tick
+  std::vector<HeldPartner> lastHeldPartners;  ///< those of the last tick
+  std::vector<ObjectHandle> sensors;          ///< near in this tick, see addSensor()
+  std::vector<btRigidBody*> freePartners;     ///< near in this tick, neither static nor kinematic
+  std::vector<SoftBodyData*> softPartners;    ///< near in this tick, with surfaces
   ContactReport report;
   std::vector<Tear> tears;                    ///< of the last tick and since
   std::vector<BrokenAnchor> brokenAnchors;    ///< in the last tick
@@ -315,22 +330,12 @@ struct SoftBodyData {
   std::uint32_t index = 0;  ///< among the living bodies of all systems of the world
   bool alive = true;
   bool asleep = false;
-  bool restored = false;           ///< in this tick, see restoreIfUnsound()
-  bool rolledBack = false;         ///< since the last tick, by restoreState()
-  std::uint32_t restorations = 0;  ///< number of ticks with a restoration
-  double calmTime = 0.0;           ///< s, see LinkedGroup::calmTime
-  bool frequencyStale = true;      ///< inverse masses have changed since frequencySquared was computed
-  double frequencySquared = 0.0;   ///< rad^2/s^2, bound of its own springs
-  double resolved = 0.0;           ///< rad^2/s^2, LinkedGroup::resolved, which ends with the group
-  int resolvedBy = 0;              ///< the maximum of substeps that resolved it
-  double fastestSquared = 0.0;     ///< rad^2/s^2, bound of fastestOscillationSquared for the present masses
-  RateHistory rateHistory;
-  EnergyLimit energyLimit;
-  int substeps = 0;                   ///< in the last tick
-  int island = -1;                    ///< in the last tick, see SoftBody::island()
-  Stepper stepper = Stepper::Verlet;  ///< in the last tick
-  double errorPerSecond = 0.0;        ///< m/s
-  double errorCoefficient = 0.0;      ///< m/s^3, see SteppingProblem
+  bool restored = false;          ///< in this tick, see restoreIfUnsound()
+  bool rolledBack = false;        ///< since the last tick, by restoreState()
+  bool frequencyStale = true;     ///< inverse masses have changed since frequencySquared was computed
+  double frequencySquared = 0.0;  ///< rad^2/s^2, bound of its own springs
+  double fastestSquared = 0.0;    ///< rad^2/s^2, bound of fastestOscillationSquared for the present masses
+  int island = -1;                ///< in the last tick, see SoftBody::island()
   std::vector<double> stiffnessSums;
   bool anyHeld = false;      ///< some point has an inverse mass of 0; frequencyStale applies to it, too
   MotionSums sums;           ///< see sumsOf()
@@ -341,7 +346,6 @@ struct SoftBodyData {
   double approach = 0.0;     ///< m/s, largest at which it and a moving object near it approach each other in
                              ///< this tick; -HUGE_VAL: there is none
   double size = 0.0;         ///< m, diagonal of its initial bounding box
-  bool prefersImplicit = false;                      ///< in the last tick, if it were in no island
   std::unique_ptr<SpringBatchArrays> springBatches;  ///< see useSpringBatches()
   std::unique_ptr<ImplicitState> implicit;           ///< created when it is first stepped implicitly
   std::vector<float> skinned;                        ///< 3 x #points, scratch of a body with a skin
@@ -369,9 +373,25 @@ inline std::uint32_t pointCount(const SoftBodyData& body) {
 /// Returns the radius (m) of the points.
 inline double radiusOf(const SoftBodyData& body) { return double(body.masses.shape->getRadius()); }
 
+/// Returns the box (m) around points and a margin.
+inline Eigen::AlignedBox3d boxAround(const Points& x, double margin) {
+  return {x.rowwise().minCoeff().array() - margin, x.rowwise().maxCoeff().array() + margin};
+}
+
 /// Returns the gravity (m/s^2) that acts on points whose gravity the user has not set.
 inline btVector3 gravityOf(const SoftBodyData& body) {
   return static_cast<btScalar>(body.settings.gravityFactor) * body.world->getGravity();
+}
+
+/// Returns the anchor of point i, or the end of the anchors.
+template <class Body>
+auto findAnchor(Body& body, std::uint32_t i) {
+  return std::find_if(body.anchors.begin(), body.anchors.end(),
+                      [&](const Anchor& anchor) { return anchor.point == i; });
+}
+
+inline bool isAttached(const SoftBodyData& body, std::uint32_t i) {
+  return findAnchor(body, i) != body.anchors.end();
 }
 
 /// Returns whether point i is attached to the object, or was inside it around a point that is.
@@ -399,6 +419,18 @@ inline const btRigidBody& materialOf(const SoftBodyData& body, std::uint32_t i) 
 
 /// Returns whether the body has triangles, edges or vertices that collide.
 inline bool hasSurface(const SoftBodyData& body) { return !body.model->topology.elements.empty(); }
+
+/// Returns the static or kinematic object of one of the body's contacts.
+inline const HeldPartner& partnerOf(const SoftBodyData& body, const PlaneContact& row) {
+  return body.heldPartners[row.partner];
+}
+
+/// Returns the body that has the object as its surface or a point, or nullptr.
+inline SoftBodyData* ownerOf(const btCollisionObject& object) {
+  if (const SurfaceObject* surface = SurfaceObject::from(&object)) return surface->owner();
+  const PointMass* point = PointMass::from(&object);
+  return point ? point->owner() : nullptr;
+}
 
 /// Returns whether an object is a point or the surface of a soft body.
 inline bool isSoft(const btCollisionObject* object) {

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Zlib
 
-// This file implements the user's interface of a system: bodies, springs and anchors, contact listeners and
+// This file implements the user's interface of a system: bodies, what surrounds them, contact listeners and
 // debug drawing. The ticks are in tick.cpp.
+
 #include <limber/soft_body_system.h>
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/contact_report.h"
-#include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
 #include "bullet/tick_hook.h"
-
-#include <limber/contacts.h>
-#include <limber/spring_constraint.h>
 
 #include <LinearMath/btIDebugDraw.h>
 
@@ -22,32 +18,6 @@
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
-
-bool isValidPivot(const btVector3& place) {
-  constexpr double kMaxPivotDistance = 1e6;  // m, a larger one would require far too many substeps
-  const Eigen::Vector3d p = toEigen(place);
-  return p.norm() <= kMaxPivotDistance;
-}
-
-namespace {
-
-/// Returns the reason why a link of the systems with this step cannot be attached to a body; empty if it can.
-std::string whyNotHeld(const btRigidBody* body, const btCollisionWorld& world, const void* step) {
-  if (SurfaceObject::from(body))
-    return "a surface object cannot be held: hold on to a point mass of that soft body, SoftBody::point(i)";
-  const PointMass* point = PointMass::from(body);
-  if (point && (!point->owner() || point->owner()->system != step))
-    return "the point mass belongs to a soft body in another world";
-  if (body && !point && isElsewhere(*body, world)) return "the rigid body is in another world";
-  return {};
-}
-
-template <class Owner, class Object>
-auto find(Owner& owner, const Object* object) {
-  return std::find_if(owner.begin(), owner.end(), [&](const auto& owned) { return owned.get() == object; });
-}
-
-}  // namespace
 
 bool isSystemObject(const btCollisionObject* object) { return isSoft(object) || StepBoundary::isOne(object); }
 
@@ -166,7 +136,9 @@ Result<void> SoftBodySystem::destroyBody(SoftBody* body) {
   return {};
 }
 
-bool SoftBodySystem::Impl::owns(const SoftBody* body) const { return find(bodies, body) != bodies.end(); }
+bool SoftBodySystem::Impl::owns(const SoftBody* body) const {
+  return findOwner(bodies, body) != bodies.end();
+}
 
 /// Not within a listener's call: it may hold pointers to the bodies.
 void SoftBodySystem::Impl::destroyPending() {
@@ -200,7 +172,7 @@ void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
   step->forgetGroups();
   wakeNeighbours(*body->data_, false);
   removeFromWorld(*body->data_);
-  bodies.erase(find(bodies, body));
+  bodies.erase(findOwner(bodies, body));
   const auto isPushed = [](const auto& other) {
     return isSurfaceBody(*other->data_) && (other->data_->masses.exposed || other->data_->surface.pushed);
   };
@@ -210,118 +182,6 @@ void SoftBodySystem::Impl::destroyNow(SoftBody* body) {
 std::size_t SoftBodySystem::bodyCount() const { return impl_->bodies.size(); }
 SoftBody* SoftBodySystem::body(std::size_t i) const {
   return i < impl_->bodies.size() ? impl_->bodies[i].get() : nullptr;
-}
-
-// --- springs and anchors -----------------------------------------------------------------------------------
-
-Result<SpringConstraint*> SoftBodySystem::addSpring(const SpringEnd& a, const SpringEnd& b,
-                                                    const SpringSettings& settings) {
-  if (Result<void> valid = validate(settings); !valid) return Error{valid.error()};
-  if (!a.body && !b.body) return Error{"a spring needs a body at one of its ends"};
-  for (const SpringEnd& end : {a, b}) {
-    if (std::string reason = whyNotHeld(end.body, *impl_->world, impl_->step.get()); !reason.empty())
-      return Error{reason};
-    if (!isValidPivot(end.pivot)) return Error{"a pivot of the spring is not finite, or farther than 1e6"};
-    if (PointMass::from(end.body) && !end.pivot.isZero())
-      return Error{"the pivot of a spring on a point mass must be 0"};
-  }
-  if (a.body == b.body && (PointMass::from(a.body) || (a.pivot - b.pivot).length2() == btScalar(0)))
-    return Error{"both ends of the spring are the same place of one body"};
-  impl_->hookUp();
-  impl_->springs.push_back(std::unique_ptr<SpringConstraint>(new SpringConstraint(a, b, settings)));
-  SpringConstraint* spring = impl_->springs.back().get();
-  if (!settings.restLength) spring->settings_.restLength = double(spring->length());
-  for (btRigidBody* end : {a.body, b.body})
-    if (end) end->activate();
-  impl_->step->groupsStale = true;
-  return spring;
-}
-
-Handle<SpringConstraint> SpringConstraint::handle() {
-  if (!life_) life_ = std::make_shared<char>();
-  return {this, life_};
-}
-
-namespace {
-
-Error foreignSpring() { return {"the spring is not, or no longer, one of this system"}; }
-
-}  // namespace
-
-namespace {
-
-bool isSame(const SpringSettings& a, const SpringSettings& b) {
-  return a.restLength == b.restLength && a.stiffness == b.stiffness && a.damping == b.damping &&
-         a.action == b.action && a.breakForce == b.breakForce;
-}
-
-}  // namespace
-
-/// Wakes what a spring holds. The user may have deleted a rigid body, so only those in the world are
-/// accessed.
-void SoftBodySystem::Impl::wakeEnds(const SpringConstraint& spring, const btRigidBody* butNot) const {
-  if (!worldAlive()) return;
-  const btCollisionObjectArray& objects = world->getCollisionObjectArray();
-  for (btRigidBody* end : {spring.endA().body, spring.endB().body}) {
-    if (!end || end == butNot) continue;
-    if (SoftBody* body = ownerOf(*end)) body->wake();
-    if (objects.findLinearSearch(end) < objects.size()) end->activate();
-  }
-}
-
-void SoftBodySystem::Impl::freeEnds(const SpringConstraint& spring) const {
-  if (!worldAlive()) return;
-  for (const btRigidBody* end : {spring.endA().body, spring.endB().body})
-    if (SoftBody* body = end ? ownerOf(*end) : nullptr) body->data_->surface.freed = true;
-}
-
-/// Returns the body of any system that has this point, which need not exist; nullptr if none has.
-SoftBody* SoftBodySystem::Impl::ownerOf(const btRigidBody& point) const {
-  for (const Impl* system : step->systems)
-    for (const auto& body : system->bodies) {
-      const std::vector<PointMass*>& points = body->data_->masses.bodies;
-      if (std::find(points.begin(), points.end(), &point) != points.end()) return body.get();
-    }
-  return nullptr;
-}
-
-Result<void> SoftBodySystem::changeSpring(SpringConstraint* spring, const SpringSettings& settings) {
-  if (find(impl_->springs, spring) == impl_->springs.end()) return foreignSpring();
-  if (Result<void> valid = validate(settings); !valid) return valid;
-  SpringSettings now = settings;
-  if (!now.restLength) now.restLength = spring->settings_.restLength;
-  if (!spring->broken_ && isSame(now, spring->settings_)) return {};
-  spring->settings_ = now;
-  spring->broken_ = false;
-  impl_->wakeEnds(*spring, nullptr);
-  impl_->step->groupsStale = true;
-  return {};
-}
-
-Result<void> SoftBodySystem::removeSpring(SpringConstraint* spring) {
-  const auto found = find(impl_->springs, spring);
-  if (found == impl_->springs.end()) return foreignSpring();
-  impl_->step->forgetGroups();
-  impl_->freeEnds(*spring);
-  impl_->wakeEnds(*spring, nullptr);
-  impl_->springs.erase(found);
-  impl_->unhookIfIdle(impl_->worldAlive());
-  return {};
-}
-
-/// Removes the springs on a body from all systems: a system may have springs on another's points.
-void SoftBodySystem::Impl::dropSprings(const btRigidBody& body) {
-  const auto isOn = [&](const auto& s) {
-    if (s->endA().body != &body && s->endB().body != &body) return false;
-    freeEnds(*s);
-    wakeEnds(*s, &body);
-    return true;
-  };
-  step->forgetGroups();
-  for (Impl* system : step->systems) {
-    SpringList& all = system->springs;
-    all.erase(std::remove_if(all.begin(), all.end(), isOn), all.end());
-  }
 }
 
 bool SoftBodySystem::Impl::WorldStep::callsListeners() const {
@@ -360,6 +220,72 @@ void SoftBodySystem::Impl::forget(const btRigidBody& body) {
           system->detach(softBody.get(), softBody->data_->anchors[i].point);
 }
 
+// --- surroundings ------------------------------------------------------------------------------------------
+
+void SoftBodySystem::Impl::wakeAll() {
+  for (auto& body : bodies) body->wake();
+}
+
+void SoftBodySystem::Impl::dropFields(const SoftBodyData& body) {
+  auto& fields = surroundings.fields;
+  const auto actsOnIt = [&](const ActingField& field) { return field.body == &body; };
+  fields.erase(std::remove_if(fields.begin(), fields.end(), actsOnIt), fields.end());
+}
+
+Result<void> SoftBodySystem::setAir(const Air& air) {
+  if (Result<void> valid = validate(air); !valid) return Error{"air: " + valid.error()};
+  Air& present = impl_->surroundings.air;
+  const bool changes =
+      air.windAt || present.windAt || air.density != present.density || air.wind != present.wind;
+  // bodies without drag may have some in the other air
+  const auto wakeIfBlown = [&] {
+    for (auto& body : impl_->bodies)
+      if (changes && hasDragInAir(*body->data_)) body->wake();
+  };
+  wakeIfBlown();
+  present = air;
+  wakeIfBlown();
+  return {};
+}
+
+Result<void> SoftBodySystem::setWater(const std::optional<Water>& water) {
+  if (water)
+    if (Result<void> valid = validate(*water); !valid) return Error{"water: " + valid.error()};
+  std::optional<Water>& present = impl_->surroundings.water;
+  const bool same = water.has_value() == present.has_value() &&
+                    (!water || (water->density == present->density && water->level == present->level &&
+                                water->flow == present->flow));
+  if (!same) impl_->wakeAll();
+  present = water;
+  return {};
+}
+
+const Air& SoftBodySystem::air() const { return impl_->surroundings.air; }
+const std::optional<Water>& SoftBodySystem::water() const { return impl_->surroundings.water; }
+
+Result<std::uint64_t> SoftBodySystem::addField(ForceField field, SoftBody* body) {
+  if (!field) return Error{"the field is an empty function"};
+  if (body && !impl_->owns(body)) return Error{"the soft body is not, or no longer, one of this system"};
+  Surroundings& around = impl_->surroundings;
+  around.fields.push_back({++around.lastField, std::move(field), body ? body->data_.get() : nullptr});
+  if (body)
+    body->wake();
+  else
+    impl_->wakeAll();
+  return around.lastField;
+}
+
+Result<void> SoftBodySystem::removeField(std::uint64_t field) {
+  auto& fields = impl_->surroundings.fields;
+  const auto it =
+      std::find_if(fields.begin(), fields.end(), [&](const ActingField& f) { return f.id == field; });
+  if (it == fields.end()) return Error{"there is no field " + std::to_string(field)};
+  for (auto& body : impl_->bodies)
+    if (!it->body || it->body == body->data_.get()) body->wake();
+  fields.erase(it);
+  return {};
+}
+
 // --- contacts ----------------------------------------------------------------------------------------------
 
 void SoftBodySystem::Impl::notifyListener() {
@@ -368,7 +294,7 @@ void SoftBodySystem::Impl::notifyListener() {
   if (!events.listening()) return;
   for (auto& body : bodies) events.collect(*body->data_);
   for (const Handle<SpringConstraint>& spring : step->brokenSprings)
-    if (spring && find(springs, spring.get()) != springs.end()) events.callBreak(*spring);
+    if (spring && findOwner(springs, spring.get()) != springs.end()) events.callBreak(*spring);
   for (std::size_t i = 0; i < bodies.size(); ++i) events.callBreaks(*bodies[i]);
   events.call(world);
   step->destroyPending();  // keeps the hook, which is calling this function
@@ -472,11 +398,8 @@ void drawPins(const SoftBodyData& body, btIDebugDraw& drawer) {
 }
 
 void drawBox(const SoftBodyData& body, btIDebugDraw& drawer) {
-  const Points& x = body.state.position;
-  const double radius = radiusOf(body);
-  const Eigen::Vector3d low = x.rowwise().minCoeff().array() - radius;
-  const Eigen::Vector3d high = x.rowwise().maxCoeff().array() + radius;
-  drawer.drawAabb(toBullet(low), toBullet(high), drawer.getDefaultColors().m_aabb);
+  const Eigen::AlignedBox3d box = boxAround(body.state.position, radiusOf(body));
+  drawer.drawAabb(toBullet(box.min()), toBullet(box.max()), drawer.getDefaultColors().m_aabb);
 }
 
 void drawContacts(SoftBodyData& body, btIDebugDraw& drawer) {

@@ -3,7 +3,6 @@
 // This file finds the pairs of bodies that move together and touch only because something stops one of them:
 // of a falling stack the lowest body hits the floor, and within the same tick the next one hits the lowest.
 
-#include "bullet/bullet_objects.h"
 #include "bullet/surface_gather.h"
 
 #include <algorithm>

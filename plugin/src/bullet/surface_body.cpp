@@ -6,10 +6,7 @@
 #include "bullet/surface_body.h"
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/saved_state.h"
-#include "bullet/soft_body_data.h"
 
 #include <cmath>
 
@@ -92,16 +89,6 @@ void SurfaceShape::reportStrips(const Query& query) const {
 
 // --- the object --------------------------------------------------------------------------------------------
 
-namespace {
-
-/// Called when the application deletes the object.
-void forgetDeletedSurface(SoftBodyData& body) {
-  body.surface.object = nullptr;
-  body.alive = false;
-}
-
-}  // namespace
-
 SurfaceObject::SurfaceObject(SoftBodyData* owner)
     : OwnBody(btRigidBodyConstructionInfo(0, nullptr, nullptr)), owner_(owner) {
   keepCollisionFilter();
@@ -111,8 +98,11 @@ SurfaceObject::SurfaceObject(SoftBodyData* owner)
   setFlags((getFlags() & ~BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) | BT_DISABLE_WORLD_GRAVITY);
 }
 
+/// The application deletes the object if it still has an owner.
 SurfaceObject::~SurfaceObject() {
-  if (owner_) forgetDeletedSurface(*owner_);
+  if (!owner_) return;
+  owner_->surface.object = nullptr;
+  owner_->alive = false;
 }
 
 const char* SurfaceObject::serialize(void* data, btSerializer* serializer) const {
@@ -156,7 +146,7 @@ void setBox(SoftBodyData& body) {
   if (present.contains(box) && (unused.array() <= 4.0 * kSideRoom * size.array()).all()) return;
   box.extend(box.min() + room.cwiseMin(0.0) - kSideRoom * size);
   box.extend(box.max() + room.cwiseMax(0.0) + kSideRoom * size);
-  body.surface.shape->setBox(toBullet(Eigen::Vector3d(box.min())), toBullet(Eigen::Vector3d(box.max())));
+  body.surface.shape->setBox(toBullet(box.min()), toBullet(box.max()));
 }
 
 /// Sets the box in the broadphase for these bounds if they are not in it. Returns whether it has changed.
@@ -217,11 +207,26 @@ void dampPoints(SoftBodyData& body, double tick) {
   }
 }
 
+/// Returns how far (m) the springs may throw a point in a tick that begins with points that have just been
+/// let go: other ticks begin with the velocities that the springs have caused so far. At most as far as if
+/// the point had the whole elastic energy.
+double freedMotionOf(const SoftBodyData& body, double tick) {
+  const Points motion = tick * tick * body.state.inverseMass.cwiseProduct(elasticForces(body));
+  const double energy = body.volumes.empty() ? std::max(0.0, elasticEnergy(body)) : HUGE_VAL;
+  double farthest = 0.0;
+  for (Eigen::Index i = 0; i < motion.cols(); ++i) {
+    const double most = tick * std::sqrt(2.0 * energy * body.state.inverseMass.col(i).maxCoeff());
+    const double length = motion.col(i).norm();
+    farthest = std::max(farthest, length > 0.0 ? std::min(length, most) : 0.0);
+  }
+  return farthest;
+}
+
 /// Calls the base class, because btDiscreteDynamicsWorld would move the object.
 void addObject(SoftBodyData& body, int group, int mask) {
   SurfaceObject& object = *body.surface.object;
   body.world->btCollisionWorld::addCollisionObject(&object, group, mask);
-  object.proxyId = object.getBroadphaseHandle()->m_uniqueId;
+  object.proxyId = idOf(object);
 }
 
 }  // namespace
@@ -366,25 +371,6 @@ void gatherSurface(SoftBodyData& body, btScalar tick) {
   // without forces on the object all accelerations are gravity
   if (s.pushed || !isSound(gravity)) restoreAccelerations(body);
 }
-
-namespace {
-
-/// Returns how far (m) the springs may throw a point in a tick that begins with points that have just been
-/// let go: other ticks begin with the velocities that the springs have caused so far. At most as far as if
-/// the point had the whole elastic energy.
-double freedMotionOf(const SoftBodyData& body, double tick) {
-  const Points motion = tick * tick * body.state.inverseMass.cwiseProduct(elasticForces(body));
-  const double energy = body.volumes.empty() ? std::max(0.0, elasticEnergy(body)) : HUGE_VAL;
-  double farthest = 0.0;
-  for (Eigen::Index i = 0; i < motion.cols(); ++i) {
-    const double most = tick * std::sqrt(2.0 * energy * body.state.inverseMass.col(i).maxCoeff());
-    const double length = motion.col(i).norm();
-    farthest = std::max(farthest, length > 0.0 ? std::min(length, most) : 0.0);
-  }
-  return farthest;
-}
-
-}  // namespace
 
 bool updateBroadphaseBox(SoftBodyData& body, btScalar tick) {
   SurfaceData& s = body.surface;

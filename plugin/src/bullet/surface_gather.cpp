@@ -5,8 +5,7 @@
 
 #include "bullet/surface_gather.h"
 
-#include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
+#include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
@@ -71,7 +70,7 @@ bool areNear(const MovingSurface& a, const MovingSurface& b, double margin) {
 /// Returns the last search with a part of a partner, or an empty one if there was no search in the last tick.
 CachedSearch& searchWith(SoftBodyData& body, const btCollisionObject& partner, std::uint64_t part) {
   std::vector<CachedSearch>& searches = body.surface.searches;
-  const int id = partner.getBroadphaseHandle()->m_uniqueId;
+  const int id = idOf(partner);
   const auto isThis = [&](const CachedSearch& s) {
     return s.partner == &partner && s.id == id && s.part == part;
   };
@@ -127,16 +126,12 @@ namespace {
 
 /// Makes a contact without the point on side b.
 Contact contactOf(const SurfaceCandidate& m, const SurfaceContact& c) {
-  const SurfaceObject* own = m.body->surface.object;
   Contact pair;
   pair.a = softContactPoint(*m.body, c.a);
   pair.normal = c.normal;
   pair.gap = c.gap;
   pair.separates = c.separates;
-  pair.friction = double(gCalculateCombinedFrictionCallback(own, &partnerOf(m)));
-  pair.restitution = restitutionOf(m);
-  pair.bounceThreshold = m.body->speeds.bounce;
-  pair.recoverySpeed = m.body->speeds.recovery;
+  setMaterial(pair, *m.body->surface.object, partnerOf(m), m.body->speeds);
   // the smaller one of the two; a body that has slept from the start has none
   if (m.other && m.other->speeds.recovery > 0.0)
     pair.recoverySpeed = std::min(pair.recoverySpeed, m.other->speeds.recovery);
@@ -300,8 +295,7 @@ double ballRadius(const SurfaceCandidate& m, const Contact& contact) {
 /// point on a side b that is not static or kinematic.
 template <class PointB>
 void addContacts(const SurfaceCandidate& m, const std::vector<SurfaceContact>& contacts, double ahead,
-                 double tick, SurfaceSearch& s, std::vector<Contact>& pairs,
-                 std::vector<ContactSource>& sources, PointB pointB) {
+                 double tick, SurfaceSearch& s, std::vector<TickContact>& pairs, PointB pointB) {
   for (SurfaceContact c : contacts) {
     if (!counts(m, c, s)) continue;
     if (m.other && ahead == tick) moveToMiddle(m.body->surface.moving, surfaceB(m), c);
@@ -311,8 +305,7 @@ void addContacts(const SurfaceCandidate& m, const std::vector<SurfaceContact>& c
     else
       pair.b = pointB(c);
     pair.spheres = ballRadius(m, pair);
-    pairs.push_back(pair);
-    sources.push_back(sourceOf(m, c));
+    pairs.push_back({pair, sourceOf(m, c)});
   }
 }
 
@@ -345,7 +338,7 @@ double predictedDisplacement(const SurfaceCandidate& m) {
 void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contacts, double tick,
                   SurfaceSearch& s, TickContacts& found) {
   m.first = static_cast<std::uint32_t>(found.contacts.size());
-  addContacts(m, contacts, tick, tick, s, found.contacts, found.sources,
+  addContacts(m, contacts, tick, tick, s, found.contacts,
               [&](const SurfaceContact& c) { return pointB(m, c, found); });
   m.end = static_cast<std::uint32_t>(found.contacts.size());
   if ((m.partner && !isFree(*m.partner)) || (m.other && m.other->asleep)) return;
@@ -383,10 +376,6 @@ void addHeld(SoftBodyData& body, const btCollisionObject& partner, RigidPart& pa
   s.search.bearing.clear();
   findContacts(m, s);
   addCandidate(m, s.contacts, tick, s, found);
-}
-
-bool isPlane(const btCollisionObject& object) {
-  return object.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
 }
 
 void gatherHeld(SoftBodyData& body, const btCollisionObject& partner, const SweptBox& box, double tick,
@@ -509,7 +498,6 @@ void movePartInStep(const SurfaceCandidate& m, const RigidState* rigid, const Ti
 void findContactsInStep(const SurfaceCandidate& m, const RigidState* rigid, const TimeInStep& time,
                         SurfaceSearch& s, ContactsInStep& found) {
   found.contacts.clear();
-  found.sources.clear();
   s.search.bearing.clear();
   for (const std::uint64_t key : found.bearing) s.search.bearing.push_back(keyInPart(m, key));
   findContacts(m, s);
@@ -520,8 +508,8 @@ void findContactsInStep(const SurfaceCandidate& m, const RigidState* rigid, cons
     p.arm = positionOf(surfaceB(m), c.b) + commonDistance(m, c.gap) * c.normal - rigid->position;
     return p;
   };
-  addContacts(m, s.contacts, time.ahead, time.tick, s, found.contacts, found.sources, pointB);
-  if (isFiltered(*m.body) || (m.other && isFiltered(*m.other))) filterPairs(found.contacts, found.sources);
+  addContacts(m, s.contacts, time.ahead, time.tick, s, found.contacts, pointB);
+  if (isFiltered(*m.body) || (m.other && isFiltered(*m.other))) filterPairs(found.contacts);
 }
 
 namespace {
@@ -563,46 +551,36 @@ bool hasOnlyHeldPartners(const SoftBodyData& body) {
 
 void HeldPairs::gather(const std::vector<SoftBodyData*>& bodies, btScalar tick, RigidSurfaces& rigids,
                        ScratchPool<SurfaceSearch>& searches, const Parallel& parallel) {
-  block_ = entry_ = contact_ = candidate_ = 0;
   const std::size_t size = parallel.blockSize(bodies.size());
-  used_ = parallel.blockCount(bodies.size());
-  if (blocks_.size() < used_) blocks_.resize(used_);
+  blocks_.resize(std::max(blocks_.size(), parallel.blockCount(bodies.size())));
+  entries_.assign(bodies.size(), Entry());
   parallel.inBlocks(bodies.size(), [&](std::size_t begin, std::size_t end) {
-    Block& block = blocks_[begin / size];
-    block.found.clear();
-    block.entries.clear();
-    const TickContacts& found = block.found;
+    TickContacts& found = blocks_[begin / size];
+    found.clear();
     searches.with([&](SurfaceSearch& search) {
       for (std::size_t i = begin; i < end; ++i) {
         if (!hasOnlyHeldPartners(*bodies[i])) continue;
-        const std::size_t contacts = found.contacts.size(), candidates = found.candidates.size();
-        gatherSurfacePairs(*bodies[i], tick, rigids, search, block.found);
-        if (found.contacts.size() > contacts || found.candidates.size() > candidates)
-          block.entries.push_back({bodies[i], found.contacts.size(), found.candidates.size()});
+        entries_[i] = {true, begin / size, found.candidates.size(), 0};
+        gatherSurfacePairs(*bodies[i], tick, rigids, search, found);
+        entries_[i].end = found.candidates.size();
       }
     });
   });
 }
 
-bool HeldPairs::take(const SoftBodyData& body, TickContacts& found) {
-  if (!hasOnlyHeldPartners(body)) return false;
-  for (; block_ < used_ && entry_ == blocks_[block_].entries.size(); ++block_)
-    entry_ = contact_ = candidate_ = 0;
-  if (block_ == used_) return true;
-  const Block& block = blocks_[block_];
-  const Entry& entry = block.entries[entry_];
-  if (entry.body != &body) return true;
-  const auto moved = static_cast<std::uint32_t>(found.contacts.size() - contact_);
-  for (; contact_ < entry.contacts; ++contact_)
-    found.add(block.found.contacts[contact_], block.found.sources[contact_]);
-  for (; candidate_ < entry.candidates; ++candidate_) {
-    SurfaceCandidate candidate = block.found.candidates[candidate_];
-    candidate.first += moved;
-    candidate.end += moved;
-    found.candidates.push_back(candidate);
+bool HeldPairs::take(std::size_t i, TickContacts& found) const {
+  const Entry& entry = entries_[i];
+  const TickContacts& block = blocks_[entry.block];
+  for (std::size_t c = entry.first; c < entry.end; ++c) {
+    SurfaceCandidate m = block.candidates[c];
+    const auto first = static_cast<std::uint32_t>(found.contacts.size());
+    found.contacts.insert(found.contacts.end(), block.contacts.begin() + m.first,
+                          block.contacts.begin() + m.end);
+    m.end = static_cast<std::uint32_t>(found.contacts.size());
+    m.first = first;
+    found.candidates.push_back(m);
   }
-  ++entry_;
-  return true;
+  return entry.isSearched;
 }
 
 void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
@@ -612,12 +590,12 @@ void gatherSurfacePairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids
   if (body.surface.overlapTicks > 0) --body.surface.overlapTicks;
   SweptBox box;
   if (!body.freePartners.empty() ||
-      !std::all_of(body.partners.begin(), body.partners.end(), [](const auto* p) { return isPlane(*p); }))
+      !std::all_of(body.heldPartners.begin(), body.heldPartners.end(),
+                   [](const HeldPartner& held) { return isPlane(held.object()); }))
     box = searchBox(movingSurface(body, h));
   for (btRigidBody* partner : body.freePartners) gatherFree(body, *partner, box, h, rigids, search, found);
-  for (std::size_t p = 0; p < body.partners.size(); ++p)
-    if (p >= body.heldPartners.size() || body.heldPartners[p].out.isZero(0.0))
-      gatherHeld(body, *body.partners[p], box, h, rigids, search, found);
+  for (const HeldPartner& held : body.heldPartners)
+    if (held.out.isZero(0.0)) gatherHeld(body, held.object(), box, h, rigids, search, found);
   for (SoftBodyData* other : body.softPartners) gatherSoft(body, *other, h, search, found);
   if (body.settings.selfCollision) gatherSelf(body, h, search, found);
   forgetOldSearches(body);

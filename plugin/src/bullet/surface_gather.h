@@ -45,8 +45,7 @@ struct SurfaceSearch {
 /// The contacts of a candidate, found within a step.
 struct ContactsInStep {
   std::vector<std::uint64_t> bearing;  ///< keys of those that have borne a load in this tick
-  std::vector<Contact> contacts;
-  std::vector<ContactSource> sources;  ///< #contacts
+  std::vector<TickContact> contacts;
   std::vector<std::uint32_t> newOnes;  ///< scratch: of those that no earlier search has found
 };
 
@@ -63,25 +62,18 @@ class HeldPairs {
   void gather(const std::vector<SoftBodyData*>& bodies, btScalar tick, RigidSurfaces& rigids,
               ScratchPool<SurfaceSearch>& searches, const Parallel& parallel);
 
-  /// Adds a body's contacts to `found`. Returns false if the body was not searched. Call it for all bodies in
-  /// their order.
-  bool take(const SoftBodyData& body, TickContacts& found);
+  /// Adds the contacts of bodies[i] to `found`. Returns false if the body was not searched.
+  bool take(std::size_t i, TickContacts& found) const;
 
  private:
-  /// A body with contacts, and the ends of these.
+  /// What a body has found: candidates of a block, with all contacts.
   struct Entry {
-    const SoftBodyData* body;
-    std::size_t contacts, candidates;
-  };
-  struct Block {
-    TickContacts found;
-    std::vector<Entry> entries;
+    bool isSearched = false;
+    std::size_t block = 0, first = 0, end = 0;
   };
 
-  std::vector<Block> blocks_;  ///< one for each range of bodies; the first used_ are of this tick
-  std::size_t used_ = 0;
-  std::size_t block_ = 0, entry_ = 0;        ///< the next to take
-  std::size_t contact_ = 0, candidate_ = 0;  ///< its first ones
+  std::vector<TickContacts> blocks_;  ///< one for each range of bodies
+  std::vector<Entry> entries_;        ///< #bodies
 };
 
 /// Adds to `found` the contacts of the surface of a body with Collision::Surface, now or in the coming tick:

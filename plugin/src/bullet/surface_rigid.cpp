@@ -4,11 +4,7 @@
 // of the points, and changes of the object move the points.
 
 #include "bullet/body_in_world.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 #include "mesh/linear_algebra.h"
 
 #include <Eigen/Cholesky>
@@ -206,8 +202,7 @@ void writeShared(SoftBodyData& body) {
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
     if (isPinned(body, static_cast<Eigen::Index>(i))) continue;
     writePoint(body, i);
-    body.masses.leftPosition[i] = body.masses.bodies[i]->getWorldTransform().getOrigin();
-    body.masses.leftVelocity[i] = body.masses.bodies[i]->getLinearVelocity();
+    remember(body.masses, i);
   }
 }
 

@@ -6,22 +6,15 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
-#include "bullet/hidden.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/lone_groups.h"
-#include "bullet/parallel.h"
-#include "bullet/surface_gather.h"
-#include "bullet/tick_contacts.h"
+#include "bullet/linked_group.h"
 #include "bullet/tick_hook.h"
 
-#include <limber/contact_filter.h>
 #include <limber/soft_body_system.h>
 
+#include <algorithm>
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <string>
-#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -31,6 +24,12 @@ void warnOnStandardError(const std::string& text);
 
 /// Returns whether a place in a body's coordinates may be the end of a spring or anchor.
 bool isValidPivot(const btVector3& place);
+
+/// Returns the entry of a list that owns the object, or the list's end.
+template <class Owners, class Object>
+auto findOwner(Owners& owners, const Object* object) {
+  return std::find_if(owners.begin(), owners.end(), [&](const auto& owner) { return owner.get() == object; });
+}
 
 /// The implementation of SoftBodySystem. The user's functions are in soft_body_system.cpp, the tick is in
 /// tick.cpp.

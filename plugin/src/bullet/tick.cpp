@@ -3,15 +3,8 @@
 // This file runs the stages of a tick in order, before and after Bullet's own part of it: first the stages
 // that all systems of a world share, then those of each system.
 
-#include "bullet/body_in_world.h"
-#include "bullet/contact_filter.h"
-#include "bullet/kinematic_motion.h"
-#include "bullet/lone_groups.h"
 #include "bullet/point_contacts.h"
-#include "bullet/surface_body.h"
 #include "bullet/system_impl.h"
-#include "bullet/tearing.h"
-#include "bullet/tick_contacts.h"
 
 #include <limber/grab.h>
 
@@ -178,9 +171,9 @@ void SoftBodySystem::Impl::WorldStep::collide(btScalar tick) {
   shareSoftPartners(awake);
   if (parallel.isOn()) heldPairs.gather(moving, tick, rigidSurfaces, searches, parallel);
   searches.with([&](SurfaceSearch& search) {
-    for (SoftBodyData* body : moving)
-      if (!parallel.isOn() || !heldPairs.take(*body, pairs))
-        gatherMovingPairs(*body, tick, rigidSurfaces, search, pairs);
+    for (std::size_t i = 0; i < moving.size(); ++i)
+      if (!parallel.isOn() || !heldPairs.take(i, pairs))
+        gatherMovingPairs(*moving[i], tick, rigidSurfaces, search, pairs);
   });
   if (living.size() > 1) gatherPointPairs(awake, tick, pairs);
   searches.with([&](SurfaceSearch& search) { addStoppedPairs(*world->getDispatcher(), pairs, search); });
@@ -192,7 +185,7 @@ void SoftBodySystem::Impl::WorldStep::filterContacts() {
   if (std::none_of(systems.begin(), systems.end(), [](const Impl* system) { return bool(system->filter); }))
     return;
   for (SoftBodyData* body : moving)
-    if (isFiltered(*body)) filterPlanes(*body, pairs);
+    if (isFiltered(*body)) filterPlanes(*body, body->contacts, &pairs);
   filterPairs(pairs, newIndex);
 }
 
@@ -289,8 +282,7 @@ void SoftBodySystem::Impl::WorldStep::takeLink(SpringConstraint& spring, const L
 void SoftBodySystem::Impl::WorldStep::takeAnchors(LinkedGroup& group, double tick) {
   for (const LinkAnchor& link : group.step.links.anchors) {
     SoftBodyData& body = *group.bodies[link.point.body];
-    const auto isThis = [&](const Anchor& anchor) { return anchor.point == link.point.point; };
-    const auto anchor = std::find_if(body.anchors.begin(), body.anchors.end(), isThis);
+    const auto anchor = findAnchor(body, link.point.point);
     if (anchor == body.anchors.end()) continue;
     anchor->force = toBullet(link.impulse / tick);
     const double force = link.impulse.norm() / tick;

@@ -6,15 +6,10 @@
 
 #include "bullet/tick_contacts.h"
 
-#include "bullet/bullet_objects.h"
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/surface_body.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -37,19 +32,12 @@ std::uint32_t TickContacts::add(btRigidBody& body) {
   return numbers_[index];
 }
 
-void TickContacts::add(const Contact& contact, const ContactSource& source) {
-  contacts.push_back(contact);
-  sources.push_back(source);
-}
-
 void TickContacts::clear(double comingTick) {
   tick = comingTick;
   for (const RigidPartner& rigid : rigids) numbers_[static_cast<std::size_t>(rigid.handle.index)] = kNone;
   rigids.clear();
   contacts.clear();
-  sources.clear();
   sensed.clear();
-  sensedSources.clear();
   candidates.clear();
   waiting.clear();
   joints.clear();
@@ -75,6 +63,20 @@ ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& 
     found.velocity = velocityOf(object, position, contacts.tick);
   }
   return found;
+}
+
+Eigen::Vector3d positionOf(const ContactPoint& point, const Points& positions) {
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  for (std::uint32_t i = 0; i < point.count; ++i) x += point.weight[i] * positions.col(point.point[i]);
+  return x;
+}
+
+void setMaterial(ContactBase& contact, const btCollisionObject& a, const btCollisionObject& b,
+                 const ContactSpeeds& speeds) {
+  contact.friction = double(gCalculateCombinedFrictionCallback(&a, &b));
+  contact.restitution = double(gCalculateCombinedRestitutionCallback(&a, &b));
+  contact.bounceThreshold = speeds.bounce;
+  contact.recoverySpeed = speeds.recovery;
 }
 
 // --- impulses of the last tick -----------------------------------------------------------------------------
@@ -107,35 +109,9 @@ std::uint64_t planeKey(const SoftBodyData& body, std::size_t index) {
   const std::uint32_t point = body.contacts[index].point;
   std::uint64_t before = 0;
   for (std::size_t i = index; i-- > 0 && body.contacts[i].point == point;)
-    before += body.contactPartners[i] == body.contactPartners[index];
+    before += body.contacts[i].partner == body.contacts[index].partner;
   return std::uint64_t{0xf} << 60 | before << 32 | point;
 }
-
-}  // namespace
-
-const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index) {
-  for (const HeldPartner& partner : body.heldPartners)
-    if (partner.handle.object == body.contactPartners[index]) return &partner.handle;
-  return nullptr;
-}
-
-void warmStart(TickContacts& contacts) {
-  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
-    const ContactSource& source = contacts.sources[i];
-    if (!source.body) continue;
-    if (const ContactImpulse* impulse = lastImpulse(*source.body, source.partner, source.key))
-      contacts.contacts[i].positionImpulse = *impulse;
-  }
-}
-
-void warmStart(const SoftBodyData& body, std::size_t index, Contact& contact) {
-  const ObjectHandle* partner = partnerHandle(body, index);
-  if (!partner) return;
-  if (const ContactImpulse* impulse = lastImpulse(body, *partner, planeKey(body, index)))
-    contact.positionImpulse = *impulse;
-}
-
-namespace {
 
 /// Notes the acceleration (m/s^2) of points if a contact that exerted `impulse` (N s) on them ended.
 void noteRelease(SoftBodyData& body, std::uint32_t point, double impulse, double tick) {
@@ -143,13 +119,27 @@ void noteRelease(SoftBodyData& body, std::uint32_t point, double impulse, double
   body.surface.release = std::max(body.surface.release, w * impulse / tick);
 }
 
-void noteReleases(const TickContacts& contacts, const Contact& c, const ContactSource& source) {
-  for (const auto& [point, body] : {std::pair(&c.a, source.body), std::pair(&c.b, source.other)})
+void noteReleases(const TickContact& c, double tick) {
+  for (const auto& [point, body] : {std::pair(&c.a, c.source.body), std::pair(&c.b, c.source.other)})
     for (std::uint32_t i = 0; body && point->kind == ContactPoint::Kind::Soft && i < point->count; ++i)
-      noteRelease(*body, point->point[i], point->weight[i] * c.impulse.along, contacts.tick);
+      noteRelease(*body, point->point[i], point->weight[i] * c.impulse.along, tick);
 }
 
 }  // namespace
+
+void warmStart(TickContacts& contacts) {
+  for (TickContact& c : contacts.contacts) {
+    if (!c.source.body) continue;
+    if (const ContactImpulse* impulse = lastImpulse(*c.source.body, c.source.partner, c.source.key))
+      c.positionImpulse = *impulse;
+  }
+}
+
+void warmStart(const SoftBodyData& body, std::size_t index, Contact& contact) {
+  const ObjectHandle& partner = partnerOf(body, body.contacts[index]).handle;
+  if (const ContactImpulse* impulse = lastImpulse(body, partner, planeKey(body, index)))
+    contact.positionImpulse = *impulse;
+}
 
 void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts& contacts) {
   for (SoftBodyData* body : bodies) {
@@ -160,20 +150,17 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
       const PlaneContact& row = body->contacts[i];
       if (!(row.impulse.along > 0.0)) continue;
       noteRelease(*body, row.point, row.impulse.along, contacts.tick);
-      if (!row.coupled) continue;
-      if (const ObjectHandle* partner = partnerHandle(*body, i))
-        store(*body, *partner, planeKey(*body, i), row);
+      if (row.coupled) store(*body, partnerOf(*body, row).handle, planeKey(*body, i), row);
     }
   }
-  for (std::size_t i = 0; i < contacts.contacts.size(); ++i)
-    if (const ContactSource& source = contacts.sources[i]; source.body) {
-      const Contact& contact = contacts.contacts[i];
-      store(*source.body, source.partner, source.key, contact);
-      noteReleases(contacts, contact, source);
-      if (!(contact.impulse.along > 0.0) || contact.b.kind == ContactPoint::Kind::World) continue;
-      source.body->surface.joints.touches = true;
-      if (source.other) source.other->surface.joints.touches = true;
-    }
+  for (const TickContact& c : contacts.contacts) {
+    if (!c.source.body) continue;
+    store(*c.source.body, c.source.partner, c.source.key, c);
+    noteReleases(c, contacts.tick);
+    if (!(c.impulse.along > 0.0) || c.b.kind == ContactPoint::Kind::World) continue;
+    c.source.body->surface.joints.touches = true;
+    if (c.source.other) c.source.other->surface.joints.touches = true;
+  }
   for (SoftBodyData* body : bodies) sortImpulses(body->storedImpulses);
 }
 
@@ -252,11 +239,7 @@ void startTick(RigidManifolds& history) {
             });
 }
 
-}  // namespace
-
 // --- contacts ----------------------------------------------------------------------------------------------
-
-namespace {
 
 /// Calls visit(index in the world's list, manifold) for both objects of all manifolds with a contact
 /// response. Manifolds of spheres may be empty: they have a point only while the two overlap.
@@ -309,7 +292,7 @@ void addRigidContact(TickContacts& found, const btCollisionObject& a, const btCo
                      btManifoldPoint* reported) {
   const btVector3 onA = a.getWorldTransform() * point.m_localPointA;
   const btVector3 onB = b.getWorldTransform() * point.m_localPointB;
-  Contact c;
+  TickContact c;
   c.a = rigidContactPoint(found, a, onA);
   c.b = rigidContactPoint(found, b, onB);
   c.normal = toEigen(point.m_normalWorldOnB).normalized();
@@ -321,9 +304,8 @@ void addRigidContact(TickContacts& found, const btCollisionObject& a, const btCo
   c.bounceThreshold = speeds.bounce;
   c.recoverySpeed = speeds.recovery;
   c.positionImpulse = guess;
-  ContactSource source;
-  source.point = reported;
-  found.add(c, source);
+  c.source.point = reported;
+  found.contacts.push_back(c);
   addRollingRows(a, b, point, found);
 }
 
@@ -447,12 +429,12 @@ void restoreBreakingThresholds(btDispatcher& dispatcher) {
 }
 
 void reportRigidContacts(TickContacts& contacts) {
-  for (std::size_t i = 0; i < contacts.contacts.size(); ++i) {
-    btManifoldPoint* point = contacts.sources[i].point;
+  for (const TickContact& c : contacts.contacts) {
+    btManifoldPoint* point = c.source.point;
     if (!point) continue;
     btVector3 t, u;
     btPlaneSpace1(point->m_normalWorldOnB, t, u);
-    const btVector3 impulse = toBullet(contacts.contacts[i].impulse.sum);
+    const btVector3 impulse = toBullet(c.impulse.sum);
     point->m_appliedImpulse += impulse.dot(point->m_normalWorldOnB);
     point->m_appliedImpulseLateral1 += impulse.dot(t);
     point->m_appliedImpulseLateral2 += impulse.dot(u);

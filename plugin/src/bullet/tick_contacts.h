@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 
 // This header declares the contacts of a tick in which more than one body moves, and the rigid bodies in
-// them: their own contacts and joints, and the links of multibodies. "Held" means static or kinematic.
+// them: how the step moves them, their own contacts and joints, and the links of multibodies. "Held" means
+// static or kinematic.
 
 #pragma once
 
 #include "bullet/bullet_objects.h"
-#include "bullet/rigid_partners.h"
 #include "solver/contacts.h"
 #include "solver/links.h"
 
@@ -29,6 +29,46 @@ struct MovingObjects;
 struct SoftBodyData;
 struct StoredImpulse;
 
+// --- rigid bodies that the step moves ----------------------------------------------------------------------
+
+// Between read and write of a tick the step moves the rigid bodies that soft bodies touch or that are
+// attached to them, not Bullet.
+
+/// A rigid body of the user in a link or contact with soft bodies. It is stepped in the substeps. Like a
+/// point mass, it then gets its mean velocity in the tick.
+struct RigidPartner {
+  btRigidBody* body = nullptr;
+  bool held = false;     ///< static, kinematic or out of the simulation
+  ObjectHandle handle;   ///< of the body
+  bool isNew = true;     ///< not yet in a tick
+  btTransform lastPose;  ///< at the end of the last tick
+  RigidState start;      ///< at the start of the tick
+  Eigen::Vector3d velocityOffset = Eigen::Vector3d::Zero(),
+                  spinOffset = Eigen::Vector3d::Zero();  ///< m/s and rad/s, added to what Bullet gets: see
+                                                         ///< offerToJoints()
+  btVector3 expectedVelocity;                            ///< after the tick if nothing else acts
+  btVector3 expectedAngularVelocity;
+  Eigen::Vector3d turn;  ///< radians, of the tick if nothing else acts
+};
+
+/// The body must be in the world.
+RigidPartner makePartner(btRigidBody& body);
+
+/// Fills `state` from Bullet's body.
+void gatherRigid(RigidPartner& partner, RigidState& state, btScalar tick);
+
+/// Makes a held body, while kinematic ones are Rewound, start where it was placed instead of at its last
+/// pose.
+void startFromPlace(RigidPartner& partner, RigidState& state, btScalar tick);
+
+/// Returns the mean velocities (m/s, rad/s) of a body in the tick, at its place at the start.
+RigidState meanMotion(const RigidState& start, const RigidState& end, double tick);
+
+/// Like writeVelocitiesToBullet() and finishWorldPoints() for point masses. Bullet's damping acts on the
+/// written velocity, where it is compensated, and on the velocity at the end.
+void writeRigidToBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
+void readRigidFromBullet(RigidPartner& partner, const RigidState& end, btScalar tick);
+
 // --- the contacts of a tick --------------------------------------------------------------------------------
 
 /// The origin of a contact.
@@ -38,6 +78,10 @@ struct ContactSource {
   SoftBodyData* other = nullptr;     ///< the soft body on side b, if it is one
   ObjectHandle partner;              ///< on side b
   std::uint64_t key = 0;             ///< of the features in contact, the same in every tick
+};
+
+struct TickContact : Contact {
+  ContactSource source;
 };
 
 /// The origin of a constraint row of a joint.
@@ -67,10 +111,8 @@ struct SurfaceCandidate {
 /// rigid bodies by their index in `rigids`.
 struct TickContacts {
   std::vector<RigidPartner> rigids;
-  std::vector<Contact> contacts;
-  std::vector<ContactSource> sources;        ///< #contacts
-  std::vector<Contact> sensed;               ///< those that are only reported
-  std::vector<ContactSource> sensedSources;  ///< #sensed
+  std::vector<TickContact> contacts;
+  std::vector<TickContact> sensed;  ///< those that are only reported
   std::vector<SurfaceCandidate> candidates;
   std::vector<SurfaceCandidate> waiting;  ///< those that touch only if another body stops one of the two
   std::vector<btCollisionObject*> near;   ///< this and the next: scratch of addComingContacts()
@@ -83,7 +125,6 @@ struct TickContacts {
 
   std::uint32_t find(const btRigidBody& body) const;  ///< index of a body in the world, or kNone
   std::uint32_t add(btRigidBody& body);               ///< index of a body, which is added on first use
-  void add(const Contact& contact, const ContactSource& source);
   /// Removes all contents but keeps the memory. `comingTick`: length of the next tick, s.
   void clear(double comingTick = 0.0);
 
@@ -105,9 +146,21 @@ inline Eigen::Vector3d fallOf(const btRigidBody& body, double tick) {
 ContactPoint rigidContactPoint(TickContacts& contacts, const btCollisionObject& object,
                                const btVector3& position);
 
-/// Returns the handle of the partner of row `index` of the body's contacts with static and kinematic objects,
-/// or nullptr. Does not access the partner, which may be deleted.
-const ObjectHandle* partnerHandle(const SoftBodyData& body, std::size_t index);
+/// Returns the contact point at a point mass. `body`: see TickContacts.
+inline ContactPoint softPoint(std::uint32_t body, std::uint32_t point) {
+  ContactPoint p;
+  p.kind = ContactPoint::Kind::Soft;
+  p.body = body;
+  p.point[0] = point;
+  return p;
+}
+
+/// Returns the position (m) of a contact point on a soft body whose points are at `positions`.
+Eigen::Vector3d positionOf(const ContactPoint& point, const Points& positions);
+
+/// Sets the friction and restitution of two objects, by Bullet's callbacks, and the speeds of a contact.
+void setMaterial(ContactBase& contact, const btCollisionObject& a, const btCollisionObject& b,
+                 const ContactSpeeds& speeds);
 
 /// Starts the contacts of soft bodies from the impulses of the same features in the last tick.
 void warmStart(TickContacts& contacts);
@@ -283,11 +336,14 @@ class MultiBodyLinks {
     Numbers start, change;  ///< its velocities before Bullet's part of the tick, and what that has added
   };
 
+  struct Joint;
+
   LinkBody& bodyOf(btMultiBody& multiBody, int link);
   void addJoints(btMultiBody& multiBody, btCollisionObject& touched, TickContacts& found);
-  bool findSides(btMultiBody& multiBody, int link, TickContacts& found, JointConstraint& row);
-  void addJoint(btMultiBody& multiBody, int link, TickContacts& found);
-  void addTorques(btMultiBody& multiBody, int link);
+  Joint jointOf(btMultiBody& multiBody, int link);
+  bool findSides(const Joint& joint, TickContacts& found, JointConstraint& row);
+  void addJoint(const Joint& joint, TickContacts& found);
+  void addTorques(const Joint& joint);
   void addDrives(btMultiBody& multiBody, TickContacts& found);
   void addDrive(btMultiBody& multiBody, btMultiBodyConstraint& drive, TickContacts& found);
   void addDriveRows(btMultiBody& multiBody, const btMultiBodySolverConstraint& source,
@@ -295,7 +351,8 @@ class MultiBodyLinks {
   void addComingLimits(btMultiBody& multiBody, btMultiBodyConstraint& limit, TickContacts& found);
   void addDriveRow(btMultiBody& multiBody, Drive drive, int link, int degree, const JointConstraint& limits,
                    TickContacts& found);
-  void prepareInertias(btMultiBody& multiBody);
+  void accelerate(btMultiBody& multiBody, btScalar time);
+  void findLinkVelocities(btMultiBody& multiBody);
   bool collectImpulses(btMultiBody& multiBody);
   Numbers changeByImpulses(btMultiBody& multiBody);
   Numbers meanVelocities(btMultiBody& multiBody, const TickContacts& found);

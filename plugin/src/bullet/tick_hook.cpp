@@ -139,13 +139,6 @@ void TickHook::debugDraw(btIDebugDraw* drawer) {
 
 // --- steps -------------------------------------------------------------------------------------------------
 
-namespace {
-
-/// N; any value except 0.
-const btVector3 kMarkForce(1, 0, 0);
-
-}  // namespace
-
 struct StepBoundary::State final : btMotionState {
   explicit State(StepBoundary* o) : owner(o) {}
   ~State() override {
@@ -193,6 +186,7 @@ StepBoundary::~StepBoundary() {
 }
 
 bool StepBoundary::stepHasEnded() {
+  const btVector3 kMarkForce(1, 0, 0);  // N; any value except 0
   if (!isInWorld()) return true;
   const bool ended = body_->getTotalForce() != kMarkForce;
   body_->clearForces();

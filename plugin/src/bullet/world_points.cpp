@@ -4,20 +4,13 @@
 // Bullet's bodies and reads the impulses of Bullet's solver from them, stops fast points at the first object
 // in their path, finds contacts with points of other bodies, and reads and writes Bullet's manifolds.
 
-#include "bullet/bullet_objects.h"
-#include "bullet/contact_filter.h"
+#include "bullet/contact_report.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "bullet/point_masses.h"
-#include "bullet/soft_body_data.h"
-#include "bullet/tick_contacts.h"
-
-#include <limber/soft_body_system.h>
 
 #include <BulletCollision/CollisionDispatch/btSphereBoxCollisionAlgorithm.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -62,6 +55,14 @@ void readFreePoint(SoftBodyData& body, std::uint32_t i, btScalar tick) {
   body.state.position.col(i) += double(tick) * impulse + withoutRounding(unexplained, size);
 }
 
+/// Gives a point the gravity of the settings in place of the world's, which the world has already applied.
+void scaleGravity(PointMass& point, const btVector3& gravity) {
+  if ((point.getFlags() & BT_DISABLE_WORLD_GRAVITY) != 0 || point.getGravity() == gravity) return;
+  if (point.getInvMass() > btScalar(0))
+    point.applyCentralForce((gravity - point.getGravity()) / point.getInvMass());
+  point.setGravity(gravity);
+}
+
 }  // namespace
 
 void addPointMasses(SoftBodyData& body) {
@@ -82,18 +83,6 @@ void removePointMasses(SoftBodyData& body) {
   }
   deletePointMasses(body);
 }
-
-namespace {
-
-/// Gives a point the gravity of the settings in place of the world's, which the world has already applied.
-void scaleGravity(PointMass& point, const btVector3& gravity) {
-  if ((point.getFlags() & BT_DISABLE_WORLD_GRAVITY) != 0 || point.getGravity() == gravity) return;
-  if (point.getInvMass() > btScalar(0))
-    point.applyCentralForce((gravity - point.getGravity()) / point.getInvMass());
-  point.setGravity(gravity);
-}
-
-}  // namespace
 
 void gatherWorldPoints(SoftBodyData& body, btScalar tick) {
   gatherPoints(body, tick, false);
@@ -127,9 +116,10 @@ void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
 void wakeWorldPoints(SoftBodyData& body, bool insideTick) {
   for (PointMass* point : body.masses.bodies) {
     if (!point || point->isActive()) continue;
-    point->activate(true);
-    // the world has already applied gravity to the points that were awake at the start of the step
-    if (insideTick) point->applyGravity();
+    if (insideTick)
+      wakeInStep(*point);
+    else
+      point->activate(true);
   }
 }
 
@@ -170,12 +160,8 @@ double motion(const SoftBodyData& body, Eigen::Index i) {
 
 /// Returns whether the body may have passed through an object in the tick.
 bool hasObstacle(const SoftBodyData& body, double longest) {
-  const Points& from = body.masses.startPosition;
-  const double margin = radiusOf(body) + longest;
-  const Eigen::Vector3d low = from.rowwise().minCoeff().array() - margin;
-  const Eigen::Vector3d high = from.rowwise().maxCoeff().array() + margin;
   bool any = false;
-  forEachObjectIn(*body.world, toBullet(low), toBullet(high),
+  forEachObjectIn(*body.world, boxAround(body.masses.startPosition, radiusOf(body) + longest),
                   [&](const btCollisionObject& object) { any = any || canHit(body, object); });
   return any;
 }
@@ -234,10 +220,8 @@ void finishWorldPoints(SoftBodyData& body, btScalar tick) {
 namespace {
 
 ContactPoint contactPointOf(const PointMass& point) {
-  ContactPoint result;
-  result.kind = point.owner()->asleep ? ContactPoint::Kind::World : ContactPoint::Kind::Soft;
-  result.body = point.owner()->index;
-  result.point[0] = point.index();
+  ContactPoint result = softPoint(point.owner()->index, point.index());
+  if (point.owner()->asleep) result.kind = ContactPoint::Kind::World;
   return result;
 }
 
@@ -250,11 +234,8 @@ Contact contactOf(const PointMass& point, const PointMass& other, const Eigen::V
   c.normal = normal;
   c.gap = normal.dot(offset) - radiusSum;
   c.spheres = theirs.asleep ? 0.0 : radiusSum;
-  c.friction = double(gCalculateCombinedFrictionCallback(&point, &other));
-  c.restitution = double(gCalculateCombinedRestitutionCallback(&point, &other));
-  c.bounceThreshold = body.speeds.bounce;
-  c.recoverySpeed =
-      theirs.asleep ? body.speeds.recovery : std::min(body.speeds.recovery, theirs.speeds.recovery);
+  setMaterial(c, point, other, body.speeds);
+  if (!theirs.asleep) c.recoverySpeed = std::min(c.recoverySpeed, theirs.speeds.recovery);
   return c;
 }
 
@@ -268,9 +249,8 @@ Eigen::Vector3d movingColumn(const PointMass& point, const Points& quantity) {
 /// them in an order that depends on earlier ticks.
 void sortLastContact(TickContacts& found, std::size_t first) {
   for (std::size_t i = found.contacts.size() - 1; i > first; --i) {
-    if (found.sources[i - 1].partner.id <= found.sources[i].partner.id) return;
+    if (found.contacts[i - 1].source.partner.id <= found.contacts[i].source.partner.id) return;
     std::swap(found.contacts[i - 1], found.contacts[i]);
-    std::swap(found.sources[i - 1], found.sources[i]);
   }
 }
 
@@ -288,16 +268,15 @@ void addIfNear(const PointMass& point, const PointMass& other, double tick, std:
     return;
   const Eigen::Vector3d nearest = offsetWhenNearest(offset, velocity, tick, radiusSum);
   if (!(nearest.norm() > 0.0)) return;
-  found.add(contactOf(point, other, nearest.normalized(), offset, radiusSum),
-            {nullptr, point.owner(), other.owner(), handleOf(other), point.index()});
+  found.contacts.push_back({contactOf(point, other, nearest.normalized(), offset, radiusSum),
+                            {nullptr, point.owner(), other.owner(), handleOf(other), point.index()}});
   sortLastContact(found, first);
 }
 
 /// Calls visit(point) for the points of other bodies whose boxes overlap the region.
 template <class Visit>
-void forEachOtherPoint(const SoftBodyData& body, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                       Visit visit) {
-  forEachObjectIn(*body.world, toBullet(low), toBullet(high), [&](const btCollisionObject& object) {
+void forEachOtherPoint(const SoftBodyData& body, const Eigen::AlignedBox3d& box, Visit visit) {
+  forEachObjectIn(*body.world, box, [&](const btCollisionObject& object) {
     const PointMass* other = PointMass::from(&object);
     if (other && other->owner() != &body) visit(*other);
   });
@@ -306,17 +285,14 @@ void forEachOtherPoint(const SoftBodyData& body, const Eigen::Vector3d& low, con
 /// Adds the contacts of a body's points. No point moves farther than `farthest` (m) towards another one.
 void addPointPairs(const SoftBodyData& body, double tick, double farthest, TickContacts& found) {
   Eigen::AlignedBox3d box;
-  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const SearchRegion region = searchRegionOf(body, i, tick, farthest);
-    box.extend(region.low).extend(region.high);
-  }
+  for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i)
+    box.extend(searchRegionOf(body, i, tick, farthest).box);
   bool any = false;
-  forEachOtherPoint(body, box.min(), box.max(), [&](const PointMass&) { any = true; });
+  forEachOtherPoint(body, box, [&](const PointMass&) { any = true; });
   if (!any) return;
   for (std::uint32_t i = 0; i < body.masses.bodies.size(); ++i) {
-    const SearchRegion region = searchRegionOf(body, i, tick, farthest);
     const std::size_t first = found.contacts.size();
-    forEachOtherPoint(body, region.low, region.high, [&](const PointMass& other) {
+    forEachOtherPoint(body, searchRegionOf(body, i, tick, farthest).box, [&](const PointMass& other) {
       const SoftBodyData* theirs = other.owner();
       if (!theirs || !theirs->alive) return;
       // the other body adds the contact
@@ -369,8 +345,9 @@ bool isBetweenAwakePoints(const PointMass& point, const btCollisionObject& partn
 bool hasRows(const PointMass& point, const btCollisionObject& partner) {
   const SoftBodyData& body = *point.owner();
   const ContactRange rows = contactsOfPoint(body.contacts, point.index());
-  const auto partners = body.contactPartners.data();
-  return std::find(partners + rows.begin, partners + rows.end, &partner) != partners + rows.end;
+  const PlaneContact* contacts = body.contacts.data();
+  return std::any_of(contacts + rows.begin, contacts + rows.end,
+                     [&](const PlaneContact& row) { return partnerOf(body, row).handle.object == &partner; });
 }
 
 }  // namespace
@@ -401,21 +378,13 @@ void disableBulletResponse(btDispatcher& dispatcher) {
 
 // --- spheres against boxes ---------------------------------------------------------------------------------
 
-namespace {
-
-/// `swapped`: the second of the two objects is the sphere.
-btSphereBoxCollisionAlgorithm::CreateFunc makeCreateFunction(bool swapped) {
-  btSphereBoxCollisionAlgorithm::CreateFunc create;
-  create.m_swapped = swapped;
-  return create;
-}
-
-}  // namespace
-
 void useFastSphereAlgorithms(btCollisionDispatcher& dispatcher) {
   // a dispatcher stores only pointers, and may exist until the program ends; these objects never change
-  static btSphereBoxCollisionAlgorithm::CreateFunc sphereBox = makeCreateFunction(false),
-                                                   boxSphere = makeCreateFunction(true);
+  static btSphereBoxCollisionAlgorithm::CreateFunc sphereBox, boxSphere = [] {
+    btSphereBoxCollisionAlgorithm::CreateFunc create;
+    create.m_swapped = true;  // the second of the two objects is the sphere
+    return create;
+  }();
   dispatcher.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, &sphereBox);
   dispatcher.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, SPHERE_SHAPE_PROXYTYPE, &boxSphere);
 }

@@ -63,6 +63,7 @@ struct ContactTarget {
 /// Where the surface is not flat around the point, the plane is updated in each substep.
 struct PlaneContact : ContactBase, ContactTarget {
   std::uint32_t point = 0;
+  std::uint32_t partner = 0;                        ///< the caller's number of the object
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();  ///< m, the centre of a touching point at the tick's start
   Eigen::Vector3d surfaceVelocity = Eigen::Vector3d::Zero();  ///< m/s, at the tick's start; of pieces at rest
                                                               ///< (a belt), across the present normal
