@@ -140,7 +140,7 @@ std::size_t measureShape(const network_shapes::NamedShape& shape, const char* ru
                          std::size_t pipelineBraces, const AnalysisSettings& settings, Results& results) {
   const Stopwatch watch;
   SharedNetwork network = cookWith(shape.make(), braceRule);
-  if (rule == kRandom) network = withRandomBraces(*network, pipelineBraces, kPipelineWeight);
+  if (rule == kRandom) network = withRandomBraces(*network, pipelineBraces, braceWeight(NetworkSettings()));
   const double seconds = 1e-3 * watch.time().cpuMs;
   const std::size_t braces = countBraces(*network);
   const Subject subject{"returns", shape.name, "Limber", rule};
