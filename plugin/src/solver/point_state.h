@@ -2,13 +2,15 @@
 #pragma once
 
 // Arrays of the point masses of a body, sums over them, and changes of the body's motion as a whole;
-// constants that bodies share.
+// constants that bodies share, and numbers for SIMD registers.
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace limber {
 
@@ -104,6 +106,22 @@ Eigen::Vector3d spinOf(const PointState& state);
 
 /// Adds a rigid rotation about the centre of mass to the velocities, so that spinOf(state) becomes `spin`.
 void setSpin(PointState& state, const Eigen::Vector3d& spin);
+
+// --- numbers for registers ---------------------------------------------------------------------------------
+
+/// 64 bytes: an array of these has the alignment of the registers of every instruction set.
+struct alignas(64) CacheLine {
+  double value[8];
+};
+
+using AlignedNumbers = std::vector<CacheLine>;
+
+inline double* numbers(AlignedNumbers& array) { return array.front().value; }
+
+/// Makes room for `count` numbers; never shrinks. New numbers are 0.
+inline void reserveNumbers(AlignedNumbers& array, std::size_t count) {
+  if (array.size() * 8 < count) array.resize((count + 7) / 8, CacheLine{});
+}
 
 // --- shared constants --------------------------------------------------------------------------------------
 
