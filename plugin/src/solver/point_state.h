@@ -6,9 +6,11 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -142,6 +144,28 @@ class SharedConstants {
 
  private:
   std::shared_ptr<const Constants> constants_;
+};
+
+/// Objects that bodies share, each made once. One lives as long as a body uses it. Any thread may call get().
+template <class T>
+class SharedObjects {
+ public:
+  /// Returns the object for which isWanted(object), or what make() returns.
+  template <class IsWanted, class Make>
+  std::shared_ptr<const T> get(IsWanted isWanted, Make make) {
+    const std::lock_guard<std::mutex> guard(lock_);
+    const auto isGone = [](const std::weak_ptr<const T>& known) { return known.expired(); };
+    known_.erase(std::remove_if(known_.begin(), known_.end(), isGone), known_.end());
+    for (const std::weak_ptr<const T>& known : known_)
+      if (auto object = known.lock(); object && isWanted(*object)) return object;
+    auto made = std::make_shared<const T>(make());
+    known_.push_back(made);
+    return made;
+  }
+
+ private:
+  std::mutex lock_;
+  std::vector<std::weak_ptr<const T>> known_;
 };
 
 }  // namespace limber
