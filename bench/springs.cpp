@@ -3,7 +3,7 @@
 #include "solver/springs.h"
 #include "bench.h"
 #include "results.h"
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
 #include "support/networks.h"
 #include "timing.h"
 

@@ -131,10 +131,10 @@ TEST(SharedSoftening, isSharedByBodiesWithEqualMasses) {
   Points heavy = body.state.inverseMass;
   heavy.col(0).setConstant(0.1);
   SharedSoftening shared;
-  const auto once = shared.of(constantsOf(body), rest, body.state.inverseMass, 1e4);
-  EXPECT_EQ(shared.of(constantsOf(body), rest, body.state.inverseMass, 1e4), once);
-  EXPECT_NE(shared.of(constantsOf(body), rest, body.state.inverseMass, 2e4), once);
-  EXPECT_NE(shared.of(constantsOf(body), rest, heavy, 1e4), once);
+  const auto once = softened(shared, constantsOf(body), rest, body.state.inverseMass, 1e4);
+  EXPECT_EQ(softened(shared, constantsOf(body), rest, body.state.inverseMass, 1e4), once);
+  EXPECT_NE(softened(shared, constantsOf(body), rest, body.state.inverseMass, 2e4), once);
+  EXPECT_NE(softened(shared, constantsOf(body), rest, heavy, 1e4), once);
 }
 
 }  // namespace

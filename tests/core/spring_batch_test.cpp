@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A body stepped with four springs at a time must equal the same body stepped with single springs, bit for
 // bit.
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
 #include "solver/springs.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"

@@ -2,7 +2,7 @@
 // Threads that step one body together: the team, the division of springs and tetrahedra, and equal bits.
 #include "solver/team.h"
 #include "solver/division.h"
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

@@ -2,7 +2,7 @@
 // The volumes of tetrahedra in all steppers: a closed form, conservation laws, and recovery.
 #include "solver/implicit_step.h"
 #include "solver/point_state.h"
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
 #include "solver/stepping_choice.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

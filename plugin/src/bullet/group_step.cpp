@@ -54,7 +54,7 @@ void softenTo(SoftBodyData& body, double largest, const Points& inverseMass) {
   const BodyModel& model = *body.model;
   const ElasticConstants full{model.springs.original, model.volumes.constants, model.tetrahedra.constants};
   const Points rest = scaledRest(*model.network, body.settings.scale);
-  body.softening = largest > 0.0 ? model.softening->of(full, rest, inverseMass, largest) : nullptr;
+  body.softening = largest > 0.0 ? softened(*model.softening, full, rest, inverseMass, largest) : nullptr;
   setConstants(body, body.softening ? body.softening->constants : full);
 }
 

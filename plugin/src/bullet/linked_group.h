@@ -12,7 +12,7 @@
 #include "bullet/tick_contacts.h"
 #include "collide/relative_motion.h"
 #include "mesh/surface.h"
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
 #include "solver/verlet_step.h"
 
 #include <limber/soft_body_system.h>

@@ -16,7 +16,7 @@
 #include "solver/implicit_step.h"
 #include "solver/plane_contacts.h"
 #include "solver/point_state.h"
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"
 #include "solver/verlet_step.h"

@@ -190,9 +190,9 @@ class Tearing {
   /// Returns whether an element has both ends of a spring.
   bool isEdge(std::size_t spring) const {
     const std::uint32_t a = body_.springs->a[spring], b = body_.springs->b[spring];
-    for (std::uint32_t k = elements_.firstOf[a]; k < elements_.firstOf[a + 1]; ++k)
-      if (hasCorner(elements_.all[elements_.around[k]], b)) return true;
-    return false;
+    const std::vector<std::uint32_t>& around = elements_.around[a];
+    return std::any_of(around.begin(), around.end(),
+                       [&](std::uint32_t element) { return hasCorner(elements_.all[element], b); });
   }
 
  private:
@@ -249,8 +249,8 @@ class Tearing {
   }
 
   bool hasParted(std::uint32_t point) const {
-    const auto first = elements_.around.begin() + elements_.firstOf[point];
-    return std::any_of(first, first + static_cast<std::ptrdiff_t>(elements_.countAround(point)),
+    const std::vector<std::uint32_t>& around = elements_.around[point];
+    return std::any_of(around.begin(), around.end(),
                        [&](std::uint32_t element) { return request_.side[element] != 0; });
   }
 
@@ -261,16 +261,14 @@ class Tearing {
     if (isFixed(point) || hasParted(point)) return false;
     std::vector<int> sides;
     int sum = 0;
-    for (std::uint32_t k = elements_.firstOf[point]; k < elements_.firstOf[point + 1]; ++k) {
-      const std::uint32_t element = elements_.around[k];
+    for (const std::uint32_t element : elements_.around[point]) {
       Vector3d middle = Vector3d::Zero();
       for (std::size_t c = 0; c < elements_.corners; ++c) middle += offset(point, elements_.all[element][c]);
       sides.push_back(middle.dot(normal) > 0.0 ? 1 : -1);
       sum += sides.back();
     }
     if (std::abs(sum) == static_cast<int>(sides.size())) return false;
-    for (std::size_t i = 0; i < sides.size(); ++i)
-      request_.side[elements_.around[elements_.firstOf[point] + i]] = sides[i];
+    for (std::size_t i = 0; i < sides.size(); ++i) request_.side[elements_.around[point][i]] = sides[i];
     return parted_ = true;
   }
 

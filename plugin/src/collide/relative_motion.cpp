@@ -17,31 +17,32 @@ using Eigen::Vector3d;
 /// Share of the trace of I that is added to its diagonal: points on a line do not tell their turn about it.
 constexpr double kRegular = 1e-9;
 
-template <class PositionOf, class VelocityOf>
-Vector3d turnOf(Index count, PositionOf positionOf, VelocityOf velocityOf, const SurfaceMotion& m) {
+Vector3d turnOf(const PointColumns& positions, const PointColumns& velocities, const SurfaceMotion& m) {
   Matrix3d second = Matrix3d::Zero();
   Vector3d moment = Vector3d::Zero();
-  for (Index i = 0; i < count; ++i) {
-    const Vector3d r = positionOf(i) - m.centre;
+  for (Index i = 0; i < velocities.cols(); ++i) {
+    const Vector3d r = positions.col(i) - m.centre;
     second.noalias() += r * r.transpose();
-    moment += r.cross(velocityOf(i) - m.mean);
+    moment += r.cross(Vector3d(velocities.col(i) - m.mean));
   }
   const double trace = second.trace();
   if (!(trace > 0.0)) return Vector3d::Zero();
   return (Matrix3d::Identity() * (trace * (1.0 + kRegular)) - second).inverse() * moment;
 }
 
-template <class PositionOf, class VelocityOf>
-SurfaceMotion fittedMotion(Index count, PositionOf positionOf, VelocityOf velocityOf) {
+}  // namespace
+
+SurfaceMotion fittedMotion(const PointColumns& positions, const PointColumns& velocities) {
   SurfaceMotion m;
+  const Index count = velocities.cols();
   if (count == 0) return m;
-  for (Index i = 0; i < count; ++i) m.centre += positionOf(i), m.mean += velocityOf(i);
+  for (Index i = 0; i < count; ++i) m.centre += positions.col(i), m.mean += velocities.col(i);
   m.centre /= static_cast<double>(count);
   m.mean /= static_cast<double>(count);
-  m.turn = turnOf(count, positionOf, velocityOf, m);
+  m.turn = turnOf(positions, velocities, m);
   double radius = 0.0, spread = 0.0, deformation = 0.0;
   for (Index i = 0; i < count; ++i) {
-    const Vector3d r = positionOf(i) - m.centre, v = velocityOf(i) - m.mean;
+    const Vector3d r = positions.col(i) - m.centre, v = velocities.col(i) - m.mean;
     radius = std::max(radius, r.squaredNorm());
     spread = std::max(spread, v.squaredNorm());
     deformation = std::max(deformation, (v - m.turn.cross(r)).squaredNorm());
@@ -52,18 +53,10 @@ SurfaceMotion fittedMotion(Index count, PositionOf positionOf, VelocityOf veloci
   return m;
 }
 
-}  // namespace
-
-SurfaceMotion fittedMotion(const Points& positions, const Points& velocities) {
-  return fittedMotion(
-      velocities.cols(), [&](Index i) -> Vector3d { return positions.col(i); },
-      [&](Index i) -> Vector3d { return velocities.col(i); });
-}
-
 SurfaceMotion fittedMotion(const PointView& points, Index count) {
-  return fittedMotion(
-      count, [&](Index i) -> Vector3d { return points.positionOf(static_cast<std::uint32_t>(i)); },
-      [&](Index i) -> Vector3d { return points.velocityOf(static_cast<std::uint32_t>(i)); });
+  const Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic> stride(points.pointStride, points.axisStride);
+  using Columns = Eigen::Map<const Points, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
+  return fittedMotion(Columns(points.position, 3, count, stride), Columns(points.velocity, 3, count, stride));
 }
 
 RelativeMotion relativeMotion(const SurfaceMotion& a, const SurfaceMotion& b, MotionFrame frame) {

@@ -21,10 +21,13 @@ struct SurfaceMotion {
   bool isZero() const { return mean.isZero(0.0) && spread == 0.0; }
 };
 
+/// The positions or velocities of points, also in a PointView.
+using PointColumns = Eigen::Ref<const Points, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
+
 /// Returns the motion of points with these velocities (m/s; for displacements in m the result is in m and
 /// rad). The turn is that of least squares: with r = x - centre, the sum over the points of
 /// |v - mean - turn x r|^2  is least for  I turn = sum r x v,  where  I = sum (|r|^2 1 - r r^T).
-SurfaceMotion fittedMotion(const Points& positions, const Points& velocities);
+SurfaceMotion fittedMotion(const PointColumns& positions, const PointColumns& velocities);
 SurfaceMotion fittedMotion(const PointView& points, Eigen::Index count);
 
 /// The frame in which the motion of a surface relative to another is told: one that does not turn, or the one

@@ -9,7 +9,7 @@
 #include "mesh/surface.h"
 #include "network/modes.h"
 #include "solver/point_state.h"
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
 #include "solver/springs.h"
 #include "solver/stepping_choice.h"
 #include "solver/verlet_step.h"

@@ -75,8 +75,8 @@ const double* scaledMass(IslandConstraints& rows, const double* inverseMass, dou
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const ContactPoint& side, double sign) {
-  const Vector3d speeds = inAxes(row, sign * (side.velocity + rows.time * side.acceleration));
-  row.surfaceSpeeds += {speeds[0], speeds[1], speeds[2]};
+  row.surfaceSpeeds +=
+      ContactVector::from(inAxes(row, sign * (side.velocity + rows.time * side.acceleration)));
   if (side.kind == ContactPoint::Kind::World) return;
   if (side.kind == ContactPoint::Kind::Soft) {
     const PointView& view = bodies.views[side.body];
@@ -208,7 +208,7 @@ void excludePinned(IslandConstraints& rows, ContactConstraint& row) {
     });
   });
   row.gap -= row.pinned;
-  row.surfaceSpeeds += {-speeds.x(), -speeds.y(), -speeds.z()};
+  row.surfaceSpeeds += ContactVector::from(-speeds);
 }
 
 void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& c, LinkedBodies& bodies) {
@@ -383,8 +383,7 @@ void followBall(IslandConstraints& rows, std::size_t index, const LinkedBodies& 
   contact.b.arm = contact.spheres * ConstMap(row.axes[0]);
   for (std::uint32_t i = 0; i < count; ++i) setShare(rows, row.firstPoint + i, weights[i]);
   setSpeeds(rows.rotations[row.firstRotation], row, -contact.b.arm);
-  const Vector3d speeds = inAxes(row, contact.a.velocity - contact.b.velocity);
-  row.surfaceSpeeds = {speeds[0], speeds[1], speeds[2]};
+  row.surfaceSpeeds = ContactVector::from(inAxes(row, contact.a.velocity - contact.b.velocity));
   const double gap = offset.norm() - contact.spheres;
   row.closing += std::max(0.0, row.gap - gap);
   row.gap = gap;
@@ -504,8 +503,8 @@ void turnJoints(IslandConstraints& rows, const LinkedBodies& bodies, double dt) 
 void turnSurfaces(IslandConstraints& rows, double time) {
   for (std::size_t i = 0; rows.turns && i < rows.rows.size(); ++i) {
     const Contact& c = contactOf(rows, i);
-    const Vector3d change = inAxes(rows.rows[i], (time - rows.time) * (c.a.acceleration - c.b.acceleration));
-    rows.rows[i].surfaceSpeeds += {change[0], change[1], change[2]};
+    rows.rows[i].surfaceSpeeds +=
+        ContactVector::from(inAxes(rows.rows[i], (time - rows.time) * (c.a.acceleration - c.b.acceleration)));
   }
   rows.time = time;
 }

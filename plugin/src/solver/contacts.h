@@ -151,6 +151,7 @@ struct ConstraintRotation {
 struct ContactVector {
   double n = 0.0, u = 0.0, v = 0.0;
 
+  static ContactVector from(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
   ContactVector& operator+=(const ContactVector& o) { return n += o.n, u += o.u, v += o.v, *this; }
   ContactVector& operator*=(double f) { return n *= f, u *= f, v *= f, *this; }
   double squaredNorm() const { return n * n + u * u + v * v; }

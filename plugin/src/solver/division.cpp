@@ -24,51 +24,33 @@ constexpr std::size_t kWindow = 256;
 /// only the springs of a batch matter.
 constexpr std::size_t kFarApart = 24, kBatchesApart = 6;
 
-class ApartOrder {
- public:
-  ApartOrder(const SpringNetwork& network, std::size_t enough)
-      : springs_(network.springs), enough_(enough), used_(network.restPoints.size(), 0) {}
-
-  void append(std::uint32_t spring) {
-    order.push_back(spring);
-    used_[springs_[spring].a] = used_[springs_[spring].b] = order.size();
-  }
-
-  /// Returns the number of springs since the last one that shares a point with this one, at most `enough`;
-  /// 0 if that one is in the present batch: then the dampers of the batch are computed one by one.
-  std::size_t distance(std::uint32_t spring) const {
-    const std::size_t last = std::max(used_[springs_[spring].a], used_[springs_[spring].b]);
-    if (last == 0) return enough_;
-    return last > order.size() / 4 * 4 ? 0 : std::min(order.size() + 1 - last, enough_);
-  }
-
-  std::vector<std::uint32_t> order;
-
- private:
-  const std::vector<NetworkSpring>& springs_;
-  std::size_t enough_;
-  std::vector<std::size_t> used_;  // #points: 1 + place in `order` of the last spring with this point, or 0
-};
-
 /// Returns an order of these springs as divideSprings() requires it. Springs that are near each other in the
 /// given order stay near each other.
 std::vector<std::uint32_t> orderApart(const SpringNetwork& network, std::size_t farApart,
                                       std::vector<std::uint32_t> left) {
   const std::size_t enough = network.restPoints.size() < 4 * farApart ? 1 : farApart;
-  ApartOrder apart(network, enough);
-  for (std::size_t first = 0; first < left.size(); ++first) {
-    const std::size_t end = std::min(left.size(), first + kWindow);
-    std::size_t best = first, farthest = 0;
-    for (std::size_t k = first; k < end && farthest < enough; ++k)
-      if (const std::size_t distance = apart.distance(left[k]); distance > farthest)
+  // #points: 1 + place in the order of the last spring with this point, or 0
+  std::vector<std::size_t> used(network.restPoints.size(), 0);
+  for (std::size_t next = 0; next < left.size(); ++next) {
+    // the number of springs since the last one that shares a point with this one, at most `enough`;
+    // 0 if that one is in the present batch: then the dampers of the batch are computed one by one
+    const auto distanceOf = [&](const NetworkSpring& spring) {
+      const std::size_t last = std::max(used[spring.a], used[spring.b]);
+      if (last == 0) return enough;
+      return last > next / 4 * 4 ? 0 : std::min(next + 1 - last, enough);
+    };
+    const std::size_t end = std::min(left.size(), next + kWindow);
+    std::size_t best = next, farthest = 0;
+    for (std::size_t k = next; k < end && farthest < enough; ++k)
+      if (const std::size_t distance = distanceOf(network.springs[left[k]]); distance > farthest)
         best = k, farthest = distance;
-    apart.append(left[best]);
     // moves the skipped springs up by one, in the same order
-    const auto begin = left.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto begin = left.begin() + static_cast<std::ptrdiff_t>(next);
     const auto chosen = left.begin() + static_cast<std::ptrdiff_t>(best);
     std::rotate(begin, chosen, chosen + 1);
+    used[network.springs[left[next]].a] = used[network.springs[left[next]].b] = next + 1;
   }
-  return std::move(apart.order);
+  return left;
 }
 
 // --- the division ------------------------------------------------------------------------------------------

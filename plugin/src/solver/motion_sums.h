@@ -35,6 +35,7 @@ struct MovedPoints {
   const V* start;                              ///< 3 x count, m, positions at the start of the tick
   const double* fraction;                      ///< count, mass fractions
   const double* weightedRest;                  ///< 3 x count, m, rest positions times mass fractions
+  MotionSums<V>* sums;                         ///< output
 };
 
 template <class V>
@@ -69,16 +70,6 @@ inline void sumBounds(const MovedPoints<V>& p, MotionSums<V>& s) {
   s.farthest = farthest, s.magnitude = magnitude;
 }
 
-template <class V>
-inline Vector<V> offsetFrom(const V* from, const V* to) {
-  return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-}
-
-template <class V>
-inline void store(const Vector<V>& from, V* to) {
-  to[0] = from.x, to[1] = from.y, to[2] = from.z;
-}
-
 /// The means, and from them the largest relative velocity.
 template <class V>
 inline void sumMeans(const MovedPoints<V>& p, MotionSums<V>& s) {
@@ -87,14 +78,14 @@ inline void sumMeans(const MovedPoints<V>& p, MotionSums<V>& s) {
   for (Index i = 0; i < p.count; ++i) {
     const V fraction = all(V(), p.fraction[i]);
     const V* v = p.velocity + 3 * i;
-    const Vector<V> d = offsetFrom(p.position, p.position + 3 * i);
+    const Vector<V> d = displacementFrom(p.position, p.position + 3 * i);
     offset = {offset.x + fraction * d.x, offset.y + fraction * d.y, offset.z + fraction * d.z};
     mean = {mean.x + fraction * v[0], mean.y + fraction * v[1], mean.z + fraction * v[2]};
   }
   store(offset, s.meanOffset), store(mean, s.meanVelocity);
   V fastest = zero;
   for (Index i = 0; i < p.count; ++i) {
-    const Vector<V> u = offsetFrom(s.meanVelocity, p.velocity + 3 * i);
+    const Vector<V> u = displacementFrom(s.meanVelocity, p.velocity + 3 * i);
     fastest = larger(dot(u, u), fastest);
   }
   s.fastest = fastest;
@@ -132,7 +123,8 @@ inline void sumFree(const MovedPoints<V>& p, MotionSums<V>& s) {
   for (Index i = 0; i < p.count; ++i) {
     const V m = massOf(p.inverseMass + 3 * i);
     const V* v = p.velocity + 3 * i;
-    const Vector<V> d = offsetFrom(p.position, p.position + 3 * i), md = scaled(m, d), u{v[0], v[1], v[2]};
+    const Vector<V> d = displacementFrom(p.position, p.position + 3 * i), md = scaled(m, d),
+                    u{v[0], v[1], v[2]};
     mass = mass + m;
     add(sum, md), add(sum + 3, scaled(m, u)), add(sum + 6, cross(md, u));
     add(sum + 9, Vector<V>{md.x * d.x, md.y * d.y, md.z * d.z});
@@ -144,11 +136,11 @@ inline void sumFree(const MovedPoints<V>& p, MotionSums<V>& s) {
 }
 
 template <class V>
-inline void sumUp(const MovedPoints<V>& p, MotionSums<V>& s) {
-  sumBounds(p, s);
-  sumMeans(p, s);
-  sumMoments(p, s);
-  sumFree(p, s);
+inline void sumUp(const MovedPoints<V>& p) {
+  sumBounds(p, *p.sums);
+  sumMeans(p, *p.sums);
+  sumMoments(p, *p.sums);
+  sumFree(p, *p.sums);
 }
 
 }  // namespace limber::kernel

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "solver/plane_contacts.h"
 
+#include "solver/lane_kernels.h"
+
 #include <algorithm>
 #include <cmath>
 

@@ -175,6 +175,21 @@ struct Planes {
   Plane<V>* planes = nullptr;
 };
 
+/// Contacts of points with a plane each, in groups of four, and those points, each with four doubles. Points
+/// that fill up a group repeat its first one, without a contact.
+struct PlaneBody {
+  static constexpr unsigned kFixed = static_cast<unsigned>(-1);
+
+  const unsigned* points;     ///< 4 x #groups
+  double* planes;             ///< #groups x a Plane of four doubles per number
+  const unsigned* capsuleOf;  ///< #groups: the capsule that the planes follow; kFixed: none
+  const Capsule<double>* capsules;
+  double radius;  ///< m, of points on capsules
+  const double* position;
+  double* velocity;
+  const double* inverseMass;
+};
+
 /// Pushes a point out of the plane where it is slower than `least`. Stores the least speed after the next
 /// kick: 0 where it touches.
 template <class V>

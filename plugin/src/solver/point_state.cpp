@@ -77,13 +77,6 @@ std::uint64_t stateHash(const PointState& state) {
 
 namespace {
 
-struct RigidMotion {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
-                  omega = Eigen::Vector3d::Zero();
-
-  Eigen::Vector3d at(const Eigen::Vector3d& x) const { return velocity + omega.cross(x - center); }
-};
-
 /// Mass, the centre of mass and its velocity, and the angular momentum and inertia about it.
 struct BodyMoments {
   double mass = 0.0;
@@ -117,27 +110,26 @@ BodyMoments momentsOf(const PointState& state) {
   return m;
 }
 
-/// Returns the rigid motion with the same linear and angular momentum; zero if any point is held on any axis.
-RigidMotion rigidMotion(const PointState& state) {
-  if ((state.inverseMass.array() == 0.0).any()) return RigidMotion();
-  const BodyMoments m = momentsOf(state);
-  return {m.center, m.velocity, m.turnFor(m.spin)};
-}
-
 }  // namespace
 
 double removeKineticEnergy(PointState& state, double excess) {
-  const RigidMotion rigid = rigidMotion(state);
+  // the rigid motion with the same linear and angular momentum; none if a point is held on any axis
+  const bool isFree = !(state.inverseMass.array() == 0.0).any();
+  const BodyMoments rigid = isFree ? momentsOf(state) : BodyMoments();
+  const Eigen::Vector3d omega = rigid.turnFor(rigid.spin);
+  const auto rigidVelocity = [&](Eigen::Index i) -> Eigen::Vector3d {
+    return rigid.velocity + omega.cross(Eigen::Vector3d(state.position.col(i) - rigid.center));
+  };
   double internal = 0.0;
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    const Eigen::Vector3d own = state.velocity.col(i) - rigid.at(state.position.col(i));
+    const Eigen::Vector3d own = state.velocity.col(i) - rigidVelocity(i);
     internal += 0.5 * massOf(state.inverseMass, i) * own.squaredNorm();
   }
   if (!(internal > 0.0)) return excess;
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / internal));
   for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
     if (massOf(state.inverseMass, i) == 0.0) continue;
-    const Eigen::Vector3d motion = rigid.at(state.position.col(i));
+    const Eigen::Vector3d motion = rigidVelocity(i);
     state.velocity.col(i) = motion + scale * (state.velocity.col(i) - motion);
   }
   return std::max(0.0, excess - internal);

@@ -2,13 +2,17 @@
 #pragma once
 
 // Arrays of the point masses of a body, sums over them, and changes of the body's motion as a whole;
-// constants that bodies share.
+// constants that bodies share, and numbers for SIMD registers.
 
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 namespace limber {
 
@@ -105,6 +109,22 @@ Eigen::Vector3d spinOf(const PointState& state);
 /// Adds a rigid rotation about the centre of mass to the velocities, so that spinOf(state) becomes `spin`.
 void setSpin(PointState& state, const Eigen::Vector3d& spin);
 
+// --- numbers for registers ---------------------------------------------------------------------------------
+
+/// 64 bytes: an array of these has the alignment of the registers of every instruction set.
+struct alignas(64) CacheLine {
+  double value[8];
+};
+
+using AlignedNumbers = std::vector<CacheLine>;
+
+inline double* numbers(AlignedNumbers& array) { return array.front().value; }
+
+/// Makes room for `count` numbers; never shrinks. New numbers are 0.
+inline void reserveNumbers(AlignedNumbers& array, std::size_t count) {
+  if (array.size() * 8 < count) array.resize((count + 7) / 8, CacheLine{});
+}
+
 // --- shared constants --------------------------------------------------------------------------------------
 
 /// Constants that several bodies share, for example the springs of equal bodies. Copies are cheap.
@@ -124,6 +144,28 @@ class SharedConstants {
 
  private:
   std::shared_ptr<const Constants> constants_;
+};
+
+/// Objects that bodies share, each made once. One lives as long as a body uses it. Any thread may call get().
+template <class T>
+class SharedObjects {
+ public:
+  /// Returns the object for which isWanted(object), or what make() returns.
+  template <class IsWanted, class Make>
+  std::shared_ptr<const T> get(IsWanted isWanted, Make make) {
+    const std::lock_guard<std::mutex> guard(lock_);
+    const auto isGone = [](const std::weak_ptr<const T>& known) { return known.expired(); };
+    known_.erase(std::remove_if(known_.begin(), known_.end(), isGone), known_.end());
+    for (const std::weak_ptr<const T>& known : known_)
+      if (auto object = known.lock(); object && isWanted(*object)) return object;
+    auto made = std::make_shared<const T>(make());
+    known_.push_back(made);
+    return made;
+  }
+
+ private:
+  std::mutex lock_;
+  std::vector<std::weak_ptr<const T>> known_;
 };
 
 }  // namespace limber

@@ -2,7 +2,7 @@
 // Copies bodies into the lanes of the kernels of lane_kernels.h, steps them and copies them back.
 #include "solver/simd_steps.h"
 
-#include "solver/verlet_kernel.h"
+#include "solver/lane_kernels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,17 +21,9 @@ int laneCount(InstructionSet set) {
 
 bool isAvailable(InstructionSet set) {
 #if defined(LIMBER_HAS_X86_LANES)
-  switch (set) {
-    case InstructionSet::Scalar:
-    case InstructionSet::Sse2:
-      return true;
-    case InstructionSet::Avx2:
-      return __builtin_cpu_supports("avx2");
-    case InstructionSet::Avx512:
-      return __builtin_cpu_supports("avx512f");
-    case InstructionSet::Neon:
-      return false;
-  }
+  if (set == InstructionSet::Sse2) return true;
+  if (set == InstructionSet::Avx2) return __builtin_cpu_supports("avx2");
+  if (set == InstructionSet::Avx512) return __builtin_cpu_supports("avx512f");
 #elif defined(LIMBER_HAS_NEON_LANES)
   if (set == InstructionSet::Neon) return true;
 #endif
@@ -52,17 +44,6 @@ const char* nameOf(InstructionSet set) {
 
 // --- several bodies at once --------------------------------------------------------------------------------
 
-kernel::VolumeBody volumeBody(VolumeArrays& volumes) {
-  const kernel::Volumes<double> v = kernelVolumes(volumes);
-  return {v.components, v.points,      v.firstTriangle, v.corners,  v.componentOf, v.restVolume,
-          v.modulus,    v.gasPressure, v.ambient,       v.gradient, v.sums,        v.timeStep};
-}
-
-kernel::TetrahedronBody tetrahedronBody(const TetrahedronVolumes& volumes) {
-  const kernel::Tetrahedra<double> t = kernelTetrahedra(volumes);
-  return {t.count, t.corners, t.inverseRest, t.stabilityScale, t.modulus, t.crushModulus};
-}
-
 namespace {
 
 /// Bodies in lanes. The first one provides the constants that all share.
@@ -70,7 +51,6 @@ struct Lanes {
   SolverBody* const* bodies;
   std::size_t used;   ///< number of bodies
   std::size_t count;  ///< number of lanes
-  double dt;          ///< s, of a substep
   LaneScratch& scratch;
 
   SolverBody& first() const { return *bodies[0]; }
@@ -90,7 +70,7 @@ void reserve(const Lanes& lanes) {
     reserveNumbers(*array, 3 * points * lanes.count);
   reserveNumbers(s.direction, 3 * first.springs->size() * lanes.count);
   if ((*first.springs)->kinked) reserveNumbers(s.stretch, first.springs->size() * lanes.count);
-  if (first.volumes) reserveNumbers(s.sums, first.volumes->sums.size() * lanes.count);
+  if (first.volumes) reserveNumbers(s.sums, 4 * (*first.volumes)->restVolume.size() * lanes.count);
   if (first.tetrahedra)
     reserveNumbers(s.stabilityScale, first.tetrahedra->stabilityScale.size() * lanes.count);
   reserveNumbers(s.motion, sizeof(MotionSums) / sizeof(double) * lanes.count);
@@ -127,33 +107,35 @@ void load(const Lanes& lanes) {
   if (lanes.first().sums) std::copy_n(numbers(s.position), count, numbers(s.start));
 }
 
-void stopInLanes(void* context, double time, double dt) {
-  const auto& lanes = *static_cast<const Lanes*>(context);
-  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
-    SolverBody& body = *lanes.bodies[lane];
-    if (lanes.scratch.inPlanes[lane])
-      solveUnpredicted(body, lanes.points(lane), time, dt);
-    else
-      solvePositions(body, lanes.points(lane), time, dt);
-  }
-}
+/// The drag and the contacts that are not in planes.
+struct LaneContacts final : kernel::ContactCalls {
+  const Lanes& lanes;
 
-void dragInLanes(void* context) {
-  const auto& lanes = *static_cast<const Lanes*>(context);
-  for (std::size_t lane = 0; lane < lanes.used; ++lane)
-    applyDrag(*lanes.bodies[lane], lanes.points(lane), lanes.dt);
-}
+  explicit LaneContacts(const Lanes& stepped) : lanes(stepped) {}
 
-void settleInLanes(void* context) {
-  const auto& lanes = *static_cast<const Lanes*>(context);
-  for (std::size_t lane = 0; lane < lanes.used; ++lane) {
-    SolverBody& body = *lanes.bodies[lane];
-    if (lanes.scratch.inPlanes[lane])
-      settleUnpredicted(body, lanes.points(lane));
-    else
-      solveVelocities(body, lanes.points(lane));
+  void stop(double time, double dt) override {
+    for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+      SolverBody& body = *lanes.bodies[lane];
+      if (lanes.scratch.inPlanes[lane])
+        solveUnpredicted(body, lanes.points(lane), time, dt);
+      else
+        solvePositions(body, lanes.points(lane), time, dt);
+    }
   }
-}
+  void drag(double dt) override {
+    for (std::size_t lane = 0; lane < lanes.used; ++lane)
+      applyDrag(*lanes.bodies[lane], lanes.points(lane), dt);
+  }
+  void settle() override {
+    for (std::size_t lane = 0; lane < lanes.used; ++lane) {
+      SolverBody& body = *lanes.bodies[lane];
+      if (lanes.scratch.inPlanes[lane])
+        settleUnpredicted(body, lanes.points(lane));
+      else
+        solveVelocities(body, lanes.points(lane));
+    }
+  }
+};
 
 /// Which contacts and drags bodies in lanes have.
 struct LaneNeeds {
@@ -239,65 +221,44 @@ void unloadPlanes(const Lanes& lanes) {
   });
 }
 
-kernel::VolumeBody laneVolumes(const Lanes& lanes) {
-  if (!lanes.first().volumes) return {};
-  kernel::VolumeBody body = volumeBody(*lanes.first().volumes);
-  body.gradient = numbers(lanes.scratch.gradient), body.sums = numbers(lanes.scratch.sums);
-  return body;
-}
-
-kernel::LaneBody laneBody(const Lanes& lanes, const kernel::ContactCalls& contacts, double* change) {
+/// Returns the first body, with the arrays that differ between the bodies in lanes.
+kernel::Body<double> laneBody(const Lanes& lanes) {
   LaneScratch& s = lanes.scratch;
-  const SolverBody& first = lanes.first();
-  const SpringArrays& springs = *first.springs;
-  kernel::LaneBody body{};
-  body.points = static_cast<unsigned>(first.points->position.cols());
-  body.springs = static_cast<unsigned>(springs.size());
-  body.a = springs->a.data(), body.b = springs->b.data();
-  body.position = numbers(s.position), body.velocity = numbers(s.velocity);
-  body.force = numbers(s.force), body.earlierForce = numbers(s.earlierForce);
-  body.acceleration = numbers(s.acceleration), body.inverseMass = numbers(s.inverseMass);
-  body.restLength = springs->restLength.data();
-  body.extensionStiffness = springs->extensionStiffness.data();
-  body.compressionStiffness = springs->compressionStiffness.data();
-  body.direction = numbers(s.direction);
-  body.stretch = springs->kinked ? numbers(s.stretch) : nullptr;
-  body.crossingLoss = springs.crossingLoss.data();
-  body.sweeps = springs.sweeps;
-  body.dampHalf = springs.dampHalf.data(), body.dampFull = springs.dampFull.data();
-  body.volumes = laneVolumes(lanes);
-  if (first.tetrahedra) {
-    body.tetrahedra = tetrahedronBody(*first.tetrahedra);
-    body.tetrahedra.stabilityScale = numbers(s.stabilityScale);
-  }
-  body.planes = static_cast<unsigned>(s.planePoints.size()), body.planePoints = s.planePoints.data();
-  if (body.planes > 0) body.planeNumbers = numbers(s.planes);
-  body.contacts = &contacts;
-  body.change = change;
-  if (!first.sums) return body;
-  body.start = numbers(s.start);
-  body.fractions = first.rest->fractions.data(), body.weightedRest = first.rest->weighted.data();
-  body.sums = numbers(s.motion);
+  kernel::Body<double> body = kernelBody(lanes.first());
+  body.points = {body.points.count, numbers(s.position),     numbers(s.velocity),
+                 numbers(s.force),  numbers(s.acceleration), numbers(s.inverseMass)};
+  body.earlierForce = numbers(s.earlierForce);
+  body.springs.direction = numbers(s.direction);
+  if (body.springs.stretch) body.springs.stretch = numbers(s.stretch);
+  if (body.volumes.components > 0)
+    body.volumes.gradient = numbers(s.gradient), body.volumes.sums = numbers(s.sums);
+  if (body.tetrahedra.count > 0) body.tetrahedra.stabilityScale = numbers(s.stabilityScale);
+  if (!s.planePoints.empty())
+    body.planes = {static_cast<kernel::Index>(s.planePoints.size()), s.planePoints.data(),
+                   reinterpret_cast<kernel::Plane<double>*>(numbers(s.planes))};
   return body;
 }
 
-void stepPacks(const kernel::LaneBody& body, double tick, int substeps, InstructionSet set) {
+/// Returns the arguments of motionSums().
+kernel::MovedPoints<double> movedPoints(const Lanes& lanes, const kernel::Body<double>& body) {
+  LaneScratch& s = lanes.scratch;
+  const RestShape& rest = *lanes.first().rest;
+  return {body.points.count,    body.points.position,
+          body.points.velocity, body.points.inverseMass,
+          numbers(s.start),     rest.fractions.data(),
+          rest.weighted.data(), reinterpret_cast<MotionSums*>(numbers(s.motion))};
+}
+
+/// Returns the kernel of a set that is available; nullptr for Scalar.
+kernel::LaneStep* laneStep(InstructionSet set) {
 #if defined(LIMBER_HAS_X86_LANES)
-  switch (set) {
-    case InstructionSet::Sse2:
-      return kernel::stepSse2(body, tick, substeps);
-    case InstructionSet::Avx2:
-      return kernel::stepAvx2(body, tick, substeps);
-    case InstructionSet::Avx512:
-      return kernel::stepAvx512(body, tick, substeps);
-    case InstructionSet::Scalar:
-    case InstructionSet::Neon:
-      break;
-  }
+  if (set == InstructionSet::Sse2) return kernel::stepSse2;
+  if (set == InstructionSet::Avx2) return kernel::stepAvx2;
+  if (set == InstructionSet::Avx512) return kernel::stepAvx512;
 #elif defined(LIMBER_HAS_NEON_LANES)
-  if (set == InstructionSet::Neon) return kernel::stepNeon(body, tick, substeps);
+  if (set == InstructionSet::Neon) return kernel::stepNeon;
 #endif
-  static_cast<void>(body), static_cast<void>(tick), static_cast<void>(substeps), static_cast<void>(set);
+  return static_cast<void>(set), nullptr;
 }
 
 void unload(const Lanes& lanes, const CacheLine& change, double dt) {
@@ -337,22 +298,26 @@ bool canShareLanes(const SolverBody& a, const SolverBody& b) {
 void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratch, double tick, int substeps,
                InstructionSet set) {
   const double dt = tick / substeps;
-  const Lanes lanes{bodies, count, static_cast<std::size_t>(laneCount(set)), dt, scratch};
+  const Lanes lanes{bodies, count, static_cast<std::size_t>(laneCount(set)), scratch};
   prepareSprings(*lanes.first().springs, lanes.first().points->inverseMass, dt);
   for (std::size_t lane = 0; lane < count; ++lane) prepareVolumes(*bodies[lane], dt);
   reserve(lanes);
   load(lanes);
   const LaneNeeds needs = prepareContacts(lanes);
-  const kernel::ContactCalls calls{needs.calls || needs.watches ? const_cast<Lanes*>(&lanes) : nullptr,
-                                   needs.calls, &stopInLanes, &dragInLanes, &settleInLanes};
+  LaneContacts contacts(lanes);
+  contacts.always = needs.calls;
   loadPlanes(lanes);
-  CacheLine change;
-  kernel::LaneBody body = laneBody(lanes, calls, change.value);
+  kernel::Body<double> body = laneBody(lanes);
+  if (needs.calls || needs.watches) body.contacts = &contacts;
   if (needs.watches && !needs.calls) {
     loadRegions(lanes);
-    body.regionCenter = numbers(scratch.regionCenter), body.regionDistance = numbers(scratch.regionDistance);
+    body.regions = {body.points.count, numbers(scratch.regionCenter), numbers(scratch.regionDistance)};
   }
-  stepPacks(body, tick, substeps, set);
+  kernel::MovedPoints<double> moved{};
+  if (lanes.first().sums) moved = movedPoints(lanes, body);
+  CacheLine change;
+  if (kernel::LaneStep* step = laneStep(set))
+    step(body, lanes.first().sums ? &moved : nullptr, change.value, tick, substeps);
   unload(lanes, change, dt);
 }
 

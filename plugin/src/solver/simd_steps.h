@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// Velocity Verlet in vector registers for several bodies of one network at once.
+// Velocity Verlet in vector registers: for several bodies of one network at once, or for four springs of one
+// body.
 
-#include "solver/lane_kernels.h"
 #include "solver/verlet_step.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -55,9 +56,41 @@ void stepLanes(SolverBody* const* bodies, std::size_t count, LaneScratch& scratc
 /// Whether two bodies may be in one call of stepLanes().
 bool canShareLanes(const SolverBody& a, const SolverBody& b);
 
-// --- arguments of the kernels ------------------------------------------------------------------------------
+// --- four springs at once ----------------------------------------------------------------------------------
 
-kernel::VolumeBody volumeBody(VolumeArrays& volumes);
-kernel::TetrahedronBody tetrahedronBody(const TetrahedronVolumes& volumes);
+/// A body's numbers in the layout of the kernel that computes four springs at a time (lane_kernels.h:
+/// SpringBatchBody). The last batch is padded with springs or tetrahedra that use two additional points,
+/// which are not part of the body and come last. In strips, entry i of `a` and `b` belongs to batch i, and
+/// missing springs have no stiffness and no damping.
+struct SpringBatchArrays {
+  AlignedNumbers position, velocity, acceleration, inverseMass, force, earlierForce;  // 4 x (#points + 2)
+  AlignedNumbers restLength, extensionStiffness, compressionStiffness, inverseLength, dampHalf, dampFull,
+      stretch, crossingLoss;                   // #springs, padded; the last two if any has two stiffnesses
+  AlignedNumbers gradient, sums;               // of the volume: 4 x (#points + 2), 8 x #components
+  AlignedNumbers inverseRest, stabilityScale;  // #tetrahedra, padded
+  std::vector<unsigned> corners;               // 4 x #tetrahedra, padded
+  std::size_t springs = 0;                     // number of them, padded
+  std::vector<unsigned> a, b;                  // #springs, padded; in strips #batches
+  AlignedNumbers slots;                        // of StripBody
+  std::vector<unsigned char> apart;            // #springs / 4: whether the four share no point; not in strips
+  PackedPlanes planes;                         // of the present step
+  unsigned revision = 0;                       // springs.revision of the copied constants; 0: none copied
+};
+
+/// Whether this machine can step a body four springs at a time: it needs AVX2 or NEON.
+bool canStepSpringBatches();
+
+/// Copies the body's state, and changed constants, into body.springBatches, which must be set. Allocates in
+/// the first call only.
+kernel::SpringBatchBody loadSpringBatches(SolverBody& body);
+
+/// Packs the body's plane contacts, whose masses must be set, for the step.
+void packPlanes(SolverBody& body);
+
+/// Copies positions and velocities from body.springBatches to body.points, and the packed contacts to theirs.
+void unloadSpringBatches(SolverBody& body);
+
+/// Returns a view of the points during the step.
+PointView viewOf(SpringBatchArrays& springBatches);
 
 }  // namespace limber

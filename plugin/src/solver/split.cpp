@@ -20,26 +20,22 @@ using Eigen::Vector3d;
 // --- elements ----------------------------------------------------------------------------------------------
 
 Elements elementsOf(const SpringNetwork& network) {
+  const std::size_t points = network.restPoints.size();
+  if (!network.tetrahedra.empty())
+    return {4, network.tetrahedra, elementsOfPoints(points, network.tetrahedra)};
   Elements e;
-  if (!network.tetrahedra.empty()) {
-    e.corners = 4;
-    e.all = network.tetrahedra;
-  } else if (!network.surface.empty()) {
+  if (!network.surface.empty()) {
     e.corners = 3;
     for (const Triangle& t : network.surface) e.all.push_back({t[0], t[1], t[2], kNoPoint});
-  } else {
-    e.corners = 2;
-    for (const NetworkSpring& s : network.springs)
-      if (s.kind == SpringKind::Structural) e.all.push_back({s.a, s.b, kNoPoint, kNoPoint});
+    e.around = elementsOfPoints(points, network.surface);
+    return e;
   }
-  e.firstOf.assign(network.restPoints.size() + 1, 0);
-  for (const auto& element : e.all)
-    for (std::size_t c = 0; c < e.corners; ++c) ++e.firstOf[element[c] + 1];
-  std::partial_sum(e.firstOf.begin(), e.firstOf.end(), e.firstOf.begin());
-  e.around.resize(e.firstOf.back());
-  std::vector<std::uint32_t> next = e.firstOf;
-  for (std::uint32_t i = 0; i < e.all.size(); ++i)
-    for (std::size_t c = 0; c < e.corners; ++c) e.around[next[e.all[i][c]]++] = i;
+  e.corners = 2;
+  std::vector<Edge> ends;
+  for (const NetworkSpring& s : network.springs)
+    if (s.kind == SpringKind::Structural) ends.push_back({s.a, s.b});
+  for (const Edge& s : ends) e.all.push_back({s[0], s[1], kNoPoint, kNoPoint});
+  e.around = elementsOfPoints(points, ends);
   return e;
 }
 
@@ -100,16 +96,16 @@ using Fans = std::vector<std::vector<std::uint32_t>>;
 /// Returns the fans of a point: the largest first, else in the order of their elements. `pairs` are the
 /// neighbours around the point.
 Fans fansOf(const Elements& elements, std::uint32_t point, const std::vector<const ElementPair*>& pairs) {
-  const std::uint32_t* first = elements.around.data() + elements.firstOf[point];
-  const std::size_t count = elements.countAround(point);
-  DisjointSets sets(count);
+  const std::vector<std::uint32_t>& around = elements.around[point];
+  DisjointSets sets(around.size());
   const auto placeOf = [&](std::uint32_t element) {
-    return static_cast<std::uint32_t>(std::lower_bound(first, first + count, element) - first);
+    return static_cast<std::uint32_t>(std::lower_bound(around.begin(), around.end(), element) -
+                                      around.begin());
   };
   for (const ElementPair* n : pairs)
     if (!n->separated) sets.join(placeOf(n->a), placeOf(n->b));
-  std::vector<std::vector<std::uint32_t>> byRoot(count);
-  for (std::uint32_t i = 0; i < count; ++i) byRoot[sets.root(i)].push_back(first[i]);
+  std::vector<std::vector<std::uint32_t>> byRoot(around.size());
+  for (std::uint32_t i = 0; i < around.size(); ++i) byRoot[sets.root(i)].push_back(around[i]);
   Fans fans;
   for (auto& fan : byRoot)
     if (!fan.empty()) fans.push_back(std::move(fan));
@@ -261,18 +257,14 @@ class SpringSplitter {
     parts.push_back({part, from});
   }
 
-  std::pair<const std::uint32_t*, const std::uint32_t*> around(std::uint32_t point) const {
-    const std::uint32_t* all = s_.old.around.data();
-    return {all + s_.old.firstOf[point], all + s_.old.firstOf[point + 1]};
-  }
+  const std::vector<std::uint32_t>& around(std::uint32_t point) const { return s_.old.around[point]; }
 
   /// Returns the copies of both ends that elements have in common, with the number of these elements.
   std::map<Pair, std::size_t> sidesOf(const NetworkSpring& spring) const {
     std::map<Pair, std::size_t> sides;
-    const auto [first, last] = around(spring.a);
-    for (const std::uint32_t* e = first; e != last; ++e)
-      if (const std::uint32_t b = cornerFrom(s_, *e, spring.b); b != kNoPoint)
-        ++sides[{cornerFrom(s_, *e, spring.a), b}];
+    for (const std::uint32_t e : around(spring.a))
+      if (const std::uint32_t b = cornerFrom(s_, e, spring.b); b != kNoPoint)
+        ++sides[{cornerFrom(s_, e, spring.a), b}];
     return sides;
   }
 
@@ -281,8 +273,7 @@ class SpringSplitter {
   bool findNear(const NetworkSpring& spring, Pair& ends) const {
     constexpr int kReach = 2;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> seen;  // elements with the copy of a
-    const auto [first, last] = around(spring.a);
-    for (const std::uint32_t* e = first; e != last; ++e) seen.emplace_back(*e, cornerFrom(s_, *e, spring.a));
+    for (const std::uint32_t e : around(spring.a)) seen.emplace_back(e, cornerFrom(s_, e, spring.a));
     std::size_t begin = 0;
     for (int step = 0; step <= kReach; ++step) {
       const std::size_t end = seen.size();
@@ -306,8 +297,7 @@ class SpringSplitter {
 
   /// Returns whether an element around the point has a divided corner.
   bool isNearCrack(std::uint32_t point) const {
-    const auto [first, last] = around(point);
-    return std::any_of(first, last, [&](std::uint32_t e) {
+    return std::any_of(around(point).begin(), around(point).end(), [&](std::uint32_t e) {
       const auto& corner = s_.old.all[e];
       return std::any_of(corner.begin(), corner.begin() + static_cast<std::ptrdiff_t>(s_.old.corners),
                          [&](std::uint32_t c) { return s_.divided(c); });
@@ -317,10 +307,9 @@ class SpringSplitter {
   /// Returns the side of a point of the new network: that of its elements which have one.
   int sideOf(std::uint32_t point) const {
     const std::uint32_t from = s_.points[point].from;
-    const auto [first, last] = around(from);
     int sum = 0;
-    for (const std::uint32_t* e = first; e != last; ++e)
-      if (cornerFrom(s_, *e, from) == point) sum += s_.request.side[*e];
+    for (const std::uint32_t e : around(from))
+      if (cornerFrom(s_, e, from) == point) sum += s_.request.side[e];
     return (sum > 0) - (sum < 0);
   }
 
@@ -355,11 +344,10 @@ class SpringSplitter {
   double leanOf(std::uint32_t copy, std::uint32_t towards) const {
     const std::uint32_t from = s_.points[copy].from;
     const std::vector<Vector3d>& x = s_.before.restPoints;
-    const auto [first, last] = around(from);
     Vector3d sum = Vector3d::Zero();
-    for (const std::uint32_t* e = first; e != last; ++e)
-      if (cornerFrom(s_, *e, from) == copy)
-        for (std::size_t c = 0; c < s_.old.corners; ++c) sum += x[s_.old.all[*e][c]] - x[from];
+    for (const std::uint32_t e : around(from))
+      if (cornerFrom(s_, e, from) == copy)
+        for (std::size_t c = 0; c < s_.old.corners; ++c) sum += x[s_.old.all[e][c]] - x[from];
     return sum.stableNormalized().dot((x[towards] - x[from]).stableNormalized());
   }
 

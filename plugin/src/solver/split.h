@@ -18,12 +18,9 @@ namespace limber {
 /// else (ropes) its structural springs. Elements that share a facet hold together: a face of tetrahedra, an
 /// edge of triangles, a point of springs.
 struct Elements {
-  std::size_t corners = 0;                        ///< of each: 4, 3 or 2
-  std::vector<std::array<std::uint32_t, 4>> all;  ///< #elements, point indices; the first `corners` are used
-  std::vector<std::uint32_t> firstOf;             ///< #points + 1, into `around`
-  std::vector<std::uint32_t> around;              ///< the elements around each point, ascending
-
-  std::size_t countAround(std::uint32_t point) const { return firstOf[point + 1] - firstOf[point]; }
+  std::size_t corners = 0;                         ///< of each: 4, 3 or 2
+  std::vector<std::array<std::uint32_t, 4>> all;   ///< #elements, point indices; the first `corners` are used
+  std::vector<std::vector<std::uint32_t>> around;  ///< #points, the elements around each, ascending
 };
 
 Elements elementsOf(const SpringNetwork& network);

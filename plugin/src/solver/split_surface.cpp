@@ -32,8 +32,7 @@ std::uint32_t hostOf(const Separation& s, const std::vector<std::uint32_t>& poin
   std::uint32_t host = 0;
   std::size_t most = 0;
   for (const std::uint32_t point : points)
-    for (std::uint32_t k = s.old.firstOf[point]; k < s.old.firstOf[point + 1]; ++k) {
-      const std::uint32_t element = s.old.around[k];
+    for (const std::uint32_t element : s.old.around[point]) {
       std::size_t count = 0;
       for (const std::uint32_t other : points)
         if (cornerFrom(s, element, other) != kNoPoint) ++count;
@@ -178,8 +177,7 @@ class SkinSplitter {
       for (std::uint32_t e = 0; e < centers_.size(); ++e) consider(e);
     } else {
       for (const std::uint32_t point : points)
-        for (std::uint32_t k = s_.old.firstOf[point]; k < s_.old.firstOf[point + 1]; ++k)
-          consider(s_.old.around[k]);
+        for (const std::uint32_t element : s_.old.around[point]) consider(element);
     }
     return best == kNoPoint && side != 0 ? nearest(place, points, 0) : best;
   }

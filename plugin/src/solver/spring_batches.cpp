@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Copies a body into the arrays of the kernel that computes four springs at a time, and back.
-#include "solver/spring_batches.h"
+#include "solver/simd_steps.h"
+
+#include "solver/lane_kernels.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,6 +11,8 @@
 namespace limber::kernel {
 // never called, see canStepSpringBatches()
 double stepSpringBatches(const SpringBatchBody&, double, int) { return 0.0; }
+void computeBatchForces(const SpringBatchBody&, double) {}
+void dampBatch(const SpringBatchBody&, bool, bool) {}
 void clearBatchForces(const SpringBatchBody&, const BatchPoints&) {}
 void addBatchSprings(const SpringBatchBody&, unsigned, unsigned, double) {}
 void addBatchVolumes(const SpringBatchBody&) {}
@@ -18,11 +22,8 @@ void driftBatchPoints(const SpringBatchBody&, double, const BatchPoints&) {}
 void dampBatchSprings(const SpringBatchBody&, bool, bool, unsigned, unsigned) {}
 void stopBatchPoints(const PlaneBody&, unsigned, unsigned, double, double) {}
 void settleBatchPoints(const PlaneBody&, unsigned, unsigned) {}
-void loadSlotInverseMasses(const SpringBatchBody&, const BatchPoints&) {}
-void loadSlotPositions(const SpringBatchBody&, const BatchPoints&) {}
-void unloadSlotForces(const SpringBatchBody&, const BatchPoints&) {}
-void loadSlotVelocities(const SpringBatchBody&, const BatchPoints&) {}
-void unloadSlotVelocities(const SpringBatchBody&, const BatchPoints&) {}
+void loadSlots(const SpringBatchBody&, const BatchPoints&, unsigned) {}
+void unloadSlots(const SpringBatchBody&, const BatchPoints&, unsigned) {}
 }  // namespace limber::kernel
 #endif
 
@@ -127,32 +128,25 @@ void load(SpringBatchArrays& q, const PointState& state, const SpringArrays& spr
   toBatches(state.inverseMass, q.inverseMass);
 }
 
-kernel::VolumeBody batchVolumes(SpringBatchArrays& q, VolumeArrays* volumes) {
-  if (!volumes) return {};
+void setVolumes(SpringBatchArrays& q, kernel::Volumes<double>& volumes) {
   reserveNumbers(q.gradient, q.position.size() * 8);
-  reserveNumbers(q.sums, 8 * (*volumes)->restVolume.size());
-  kernel::VolumeBody body = volumeBody(*volumes);
-  body.gradient = numbers(q.gradient), body.sums = numbers(q.sums);
-  return body;
+  reserveNumbers(q.sums, std::size_t{8} * volumes.components);
+  volumes.gradient = numbers(q.gradient), volumes.sums = numbers(q.sums);
 }
 
-kernel::TetrahedronBody batchTetrahedra(SpringBatchArrays& q, const TetrahedronVolumes* tetrahedra) {
-  if (!tetrahedra) return {};
-  const std::size_t count = filledUp((*tetrahedra)->tetrahedra.size());
+void setTetrahedra(SpringBatchArrays& q, const TetrahedronVolumes& from, kernel::Tetrahedra<double>& to) {
+  const std::size_t count = filledUp(to.count);
   if (q.corners.size() != 4 * count) {
     reserveNumbers(q.inverseRest, count);
     reserveNumbers(q.stabilityScale, count);
     q.corners.assign(4 * count, static_cast<unsigned>(q.position.size() * 2 - 2));
-    const unsigned* corners = (*tetrahedra)->tetrahedra.front().data();
-    std::copy(corners, corners + 4 * (*tetrahedra)->tetrahedra.size(), q.corners.begin());
-    std::copy((*tetrahedra)->inverseRest.begin(), (*tetrahedra)->inverseRest.end(), numbers(q.inverseRest));
+    std::copy_n(to.corners, std::size_t{4} * to.count, q.corners.begin());
+    std::copy(from->inverseRest.begin(), from->inverseRest.end(), numbers(q.inverseRest));
   }
-  std::copy(tetrahedra->stabilityScale.begin(), tetrahedra->stabilityScale.end(), numbers(q.stabilityScale));
-  kernel::TetrahedronBody body = tetrahedronBody(*tetrahedra);
-  body.count = static_cast<unsigned>(count);
-  body.corners = q.corners.data();
-  body.inverseRest = numbers(q.inverseRest), body.stabilityScale = numbers(q.stabilityScale);
-  return body;
+  std::copy(from.stabilityScale.begin(), from.stabilityScale.end(), numbers(q.stabilityScale));
+  to.count = static_cast<unsigned>(count);
+  to.corners = q.corners.data();
+  to.inverseRest = numbers(q.inverseRest), to.stabilityScale = numbers(q.stabilityScale);
 }
 
 StripBody stripBody(SpringBatchArrays& q, const SolverBody& body) {
@@ -161,29 +155,25 @@ StripBody stripBody(SpringBatchArrays& q, const SolverBody& body) {
   return {length, static_cast<unsigned>(body.points->position.cols()), numbers(q.slots)};
 }
 
-kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::ContactCalls* contacts) {
+kernel::SpringBatchBody springBatchBody(SolverBody& stepped) {
   SpringBatchArrays& q = *stepped.springBatches;
-  kernel::SpringBatchBody body;
-  body.points = static_cast<unsigned>(q.position.size() * 2);
-  body.springs = static_cast<unsigned>(q.springs);
-  body.a = q.a.data(), body.b = q.b.data(), body.apart = q.apart.data();
-  body.strips = stripBody(q, stepped);
-  body.position = numbers(q.position), body.velocity = numbers(q.velocity);
-  body.force = numbers(q.force), body.earlierForce = numbers(q.earlierForce);
-  body.acceleration = numbers(q.acceleration), body.inverseMass = numbers(q.inverseMass);
-  body.restLength = numbers(q.restLength);
-  body.extensionStiffness = numbers(q.extensionStiffness);
+  kernel::SpringBatchBody body{kernelBody(stepped), q.apart.data(), stripBody(q, stepped)};
   const bool kinked = (*stepped.springs)->kinked;
-  // if both are the same, the kernel reads one array less
-  body.compressionStiffness = numbers(kinked ? q.compressionStiffness : q.extensionStiffness);
-  body.inverseLength = numbers(q.inverseLength);
-  body.stretch = kinked ? numbers(q.stretch) : nullptr;
-  body.crossingLoss = kinked ? numbers(q.crossingLoss) : nullptr;
+  body.springs = {static_cast<unsigned>(q.springs), q.a.data(), q.b.data(), numbers(q.restLength),
+                  numbers(q.extensionStiffness),
+                  // if both are the same, the kernel reads one array less
+                  numbers(kinked ? q.compressionStiffness : q.extensionStiffness), numbers(q.inverseLength),
+                  kinked ? numbers(q.stretch) : nullptr, kinked ? numbers(q.crossingLoss) : nullptr};
+  body.points = {static_cast<unsigned>(q.position.size() * 2),
+                 numbers(q.position),
+                 numbers(q.velocity),
+                 numbers(q.force),
+                 numbers(q.acceleration),
+                 numbers(q.inverseMass)};
+  body.earlierForce = numbers(q.earlierForce);
   body.dampHalf = numbers(q.dampHalf), body.dampFull = numbers(q.dampFull);
-  body.volumes = batchVolumes(q, stepped.volumes);
-  body.tetrahedra = batchTetrahedra(q, stepped.tetrahedra);
-  body.sweeps = stepped.springs->sweeps;
-  body.contacts = contacts;
+  if (body.volumes.components > 0) setVolumes(q, body.volumes);
+  if (stepped.tetrahedra) setTetrahedra(q, *stepped.tetrahedra, body.tetrahedra);
   return body;
 }
 
@@ -191,10 +181,10 @@ kernel::SpringBatchBody springBatchBody(SolverBody& stepped, const kernel::Conta
 
 bool canStepSpringBatches() { return isAvailable(InstructionSet::Avx2) || isAvailable(InstructionSet::Neon); }
 
-kernel::SpringBatchBody loadSpringBatches(SolverBody& body, const kernel::ContactCalls* contacts) {
+kernel::SpringBatchBody loadSpringBatches(SolverBody& body) {
   load(*body.springBatches, *body.points, *body.springs);
-  const kernel::SpringBatchBody loaded = springBatchBody(body, contacts);
-  kernel::loadSlotInverseMasses(loaded, {0, loaded.strips.slots});
+  const kernel::SpringBatchBody loaded = springBatchBody(body);
+  kernel::loadSlots(loaded, {0, loaded.strips.slots}, StripBody::kInverseMass);
   return loaded;
 }
 
@@ -220,17 +210,6 @@ PointView viewOf(SpringBatchArrays& springBatches) {
           4,
           numbers(springBatches.force),
           numbers(springBatches.earlierForce)};
-}
-
-void stepSpringBatches(SolverBody& body, double tick, int substeps) {
-  kernel::ContactCalls calls{};
-  const kernel::SpringBatchBody springBatches = loadSpringBatches(body, &calls);
-  BodyContacts contacts{&body, viewOf(*body.springBatches), tick / substeps};
-  calls = contacts.calls();
-  packPlanes(body);
-  const double change = kernel::stepSpringBatches(springBatches, tick, substeps);
-  unloadSpringBatches(body);
-  body.errorRate = verletErrorRate(change, body.points->position.cols(), tick / substeps);
 }
 
 }  // namespace limber

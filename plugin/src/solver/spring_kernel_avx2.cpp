@@ -12,11 +12,6 @@ namespace {
 
 using Quad = Pack;
 
-/// x, y and z of four points.
-struct Columns {
-  Quad x, y, z;
-};
-
 /// Four vectors, each as a Quad x, y, z, 0.
 struct Rows {
   Quad row[4];
@@ -34,7 +29,8 @@ Quad spread(Quad v) {
   return _mm256_permute4x64_pd(v, i * 0x55);
 }
 
-Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
+/// Returns x, y and z of four points.
+Vector<Quad> columns(Quad p0, Quad p1, Quad p2, Quad p3) {
   const Quad xz01 = _mm256_unpacklo_pd(p0, p1), y01 = _mm256_unpackhi_pd(p0, p1);
   const Quad xz23 = _mm256_unpacklo_pd(p2, p3), y23 = _mm256_unpackhi_pd(p2, p3);
   return {_mm256_permute2f128_pd(xz01, xz23, 0x20), _mm256_permute2f128_pd(y01, y23, 0x20),

@@ -40,11 +40,6 @@ Quad select(QuadMask which, Quad yes, Quad no) {
   return {vbslq_f64(which.low, yes.low, no.low), vbslq_f64(which.high, yes.high, no.high)};
 }
 
-/// x, y and z of four points.
-struct Columns {
-  Quad x, y, z;
-};
-
 /// Four vectors, each as a Quad x, y, z, 0.
 struct Rows {
   Quad row[4];
@@ -67,7 +62,8 @@ Quad spread(Quad v) {
   return {x, x};
 }
 
-Columns columns(Quad p0, Quad p1, Quad p2, Quad p3) {
+/// Returns x, y and z of four points.
+Vector<Quad> columns(Quad p0, Quad p1, Quad p2, Quad p3) {
   return {{vzip1q_f64(p0.low, p1.low), vzip1q_f64(p2.low, p3.low)},
           {vzip2q_f64(p0.low, p1.low), vzip2q_f64(p2.low, p3.low)},
           {vzip1q_f64(p0.high, p1.high), vzip1q_f64(p2.high, p3.high)}};

@@ -200,7 +200,6 @@ Eigen::Vector3d limitedCrossing(const SpringArrays& springs, std::size_t i, cons
 void addLimitedForces(SpringArrays& springs, PointState& state, double crossing) {
   const ElasticLimit& limit = springs->limit;
   if (!springs.yielded) springs.yielded = std::make_shared<SpringConstants>(*springs.original);
-  springs.direction.resize(3, static_cast<Eigen::Index>(springs.size()));
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const Eigen::Vector3d d = state.position.col(springs->b[i]) - state.position.col(springs->a[i]);
     if (springs.original->restLength[i] > 0.0) updateLimits(springs, i, d.norm());
@@ -225,13 +224,11 @@ void addLimitedForces(SpringArrays& springs, PointState& state, double crossing)
 // --- forces ------------------------------------------------------------------------------------------------
 
 void computeSpringForces(SpringArrays& springs, PointState& state, double crossing) {
-  if (springs->limited) {
-    state.allocateForces();
-    state.force.setZero();
-    addLimitedForces(springs, state, crossing);
-  } else {
-    kernel::computeForces(kernelSprings(springs), kernelPoints(state), crossing);
-  }
+  state.allocateForces();
+  springs.allocateDirections();
+  if (!springs->limited) return kernel::computeForces(kernelSprings(springs), kernelPoints(state), crossing);
+  state.force.setZero();
+  addLimitedForces(springs, state, crossing);
 }
 
 double elasticEnergy(const SpringArrays& springs, const Points& position) {

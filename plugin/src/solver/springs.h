@@ -57,6 +57,7 @@ struct SpringArrays {
 
   const SpringConstants* operator->() const { return yielded ? yielded.get() : &*original; }
   std::size_t size() const { return original->a.size(); }
+  void allocateDirections() { direction.resize(3, static_cast<Eigen::Index>(size())); }
 };
 
 /// The factors of a group apply to its members. Returns the products for all points and springs of a network.
@@ -87,9 +88,9 @@ bool isBroken(const SpringArrays& springs, std::size_t i);
 
 // --- arguments of verlet_kernel.h --------------------------------------------------------------------------
 
-/// Returns the arrays of one body.
+// Arrays that a step writes must be allocated.
+
 inline kernel::Springs<double> kernelSprings(SpringArrays& s) {
-  if (s.direction.cols() == 0) s.direction.setZero(3, static_cast<Eigen::Index>(s.size()));
   return {static_cast<kernel::Index>(s.size()),
           s->a.data(),
           s->b.data(),
@@ -102,7 +103,6 @@ inline kernel::Springs<double> kernelSprings(SpringArrays& s) {
 }
 
 inline kernel::Points<double> kernelPoints(PointState& p) {
-  p.allocateForces();
   return {static_cast<kernel::Index>(p.position.cols()),
           p.position.data(),
           p.velocity.data(),

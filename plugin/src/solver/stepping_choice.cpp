@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -20,6 +19,12 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
+
+/// Returns the larger stiffness (N/m) of spring i, also beyond its stiffening strain.
+double stiffest(const SpringConstants& s, std::size_t i) {
+  const double stiffened = s.limit.stiffenStrain > 0.0 ? s.limit.stiffenFactor : 1.0;
+  return stiffened * std::max(s.extensionStiffness[i], s.compressionStiffness[i]);
+}
 
 /// A spring's part of the stiffness matrix is (along - across) n n^T + across I between its ends.
 struct SpringSlopes {
@@ -33,12 +38,11 @@ SpringSlopes slopesOf(const SpringArrays& springs, const Points& x) {
   const std::size_t count = springs.size();
   SpringSlopes s{Points(3, static_cast<Index>(count)), std::vector<double>(count),
                  std::vector<double>(count)};
-  const double stiffened = springs->limit.stiffenStrain > 0.0 ? springs->limit.stiffenFactor : 1.0;
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d d = x.col(springs->b[i]) - x.col(springs->a[i]);
     const double length = d.norm();
     s.direction.col(static_cast<Index>(i)) = d.stableNormalized();
-    s.along[i] = stiffened * std::max(springs->extensionStiffness[i], springs->compressionStiffness[i]);
+    s.along[i] = stiffest(*springs.operator->(), i);
     if (length > springs->restLength[i])
       s.across[i] = springs->extensionStiffness[i] * (length - springs->restLength[i]) / length;
   }
@@ -241,14 +245,9 @@ int implicitNeed(const SteppingProblem& p, const Stepping& s) {
 double frequencyBoundSquared(const SpringArrays& springs, const Points& inverseMass,
                              std::vector<double>& stiffnessSums) {
   stiffnessSums.assign(static_cast<std::size_t>(inverseMass.cols()), 0.0);
-  const double stiffened = springs->limit.stiffenStrain > 0.0 ? springs->limit.stiffenFactor : 1.0;
-  const auto stiffness = [&](std::size_t s) {
-    return stiffened * std::max(springs->extensionStiffness[s], springs->compressionStiffness[s]);
-  };
-  for (std::size_t s = 0; s < springs.size(); ++s) {
-    stiffnessSums[springs->a[s]] += stiffness(s);
-    stiffnessSums[springs->b[s]] += stiffness(s);
-  }
+  for (std::size_t s = 0; s < springs.size(); ++s)
+    for (const std::uint32_t end : {springs->a[s], springs->b[s]})
+      stiffnessSums[end] += stiffest(*springs.operator->(), s);
   double bound = 0.0;
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto rowPart = [&](std::uint32_t i) { return inverseMass.col(i).maxCoeff() * stiffnessSums[i]; };
@@ -327,27 +326,13 @@ Bounds boundsAtRest(const ElasticConstants& full, const Points& restShape, const
   rest.inverseMass = inverseMass;
   SpringArrays springs;
   springs.original = full.springs;
-  const auto points = static_cast<std::size_t>(restShape.cols());
   VolumeArrays volumes;
   volumes.constants = full.volumes;
-  volumes.sums.resize(4 * full.volumes->restVolume.size());
-  volumes.gradient.resize(3, restShape.cols());
-  volumes.rowSums.resize(points);
   TetrahedronVolumes tetrahedra;
   tetrahedra.constants = full.tetrahedra;
-  tetrahedra.mobility.resize(full.tetrahedra->tetrahedra.size());
   std::vector<double> sums;
   return {frequencyBoundSquared(springs, inverseMass, sums), volumeFrequencyBoundSquared(volumes, rest, 0.0),
           tetrahedronFrequencyBoundSquared(tetrahedra, rest)};
-}
-
-/// The larger stiffness of each spring, also beyond its stiffening strain, N/m.
-Eigen::VectorXd stiffest(const SpringConstants& s) {
-  const double stiffened = s.limit.stiffenStrain > 0.0 ? s.limit.stiffenFactor : 1.0;
-  const Eigen::Map<const Eigen::VectorXd> extension(s.extensionStiffness.data(),
-                                                    static_cast<Eigen::Index>(s.a.size()));
-  const Eigen::Map<const Eigen::VectorXd> compression(s.compressionStiffness.data(), extension.size());
-  return stiffened * extension.cwiseMax(compression);
 }
 
 /// Relative tolerance of the eigenvalue below, whose square is its error, and a margin above that error.
@@ -374,39 +359,23 @@ double graphBoundSquared(const SpringConstants& springs, const Eigen::VectorXd& 
   return kMargin * largestEigenvalue(multiply, root.size(), kEigenvalueTolerance);
 }
 
-/// The stiffness of the springs at each point, N/m: those of point i begin at first[i], the softest one
-/// first.
-struct SpringsOfPoints {
-  std::vector<std::size_t> first;  ///< #points + 1
-  std::vector<double> stiffness;
-};
-
-SpringsOfPoints springsOfPoints(const SpringConstants& springs, const Eigen::VectorXd& k,
-                                Eigen::Index points) {
-  SpringsOfPoints all;
-  all.first.assign(static_cast<std::size_t>(points) + 1, 0);
-  const auto forEachEnd = [&](auto visit) {
-    for (std::size_t i = 0; i < springs.a.size(); ++i)
-      for (const std::uint32_t end : {springs.a[i], springs.b[i]})
-        visit(end, k[static_cast<Eigen::Index>(i)]);
-  };
-  forEachEnd([&](std::uint32_t end, double) { ++all.first[end + 1]; });
-  std::partial_sum(all.first.begin(), all.first.end(), all.first.begin());
-  all.stiffness.resize(all.first.back());
-  std::vector<std::size_t> next = all.first;
-  forEachEnd([&](std::uint32_t end, double stiffness) { all.stiffness[next[end]++] = stiffness; });
-  for (std::size_t i = 0; i + 1 < all.first.size(); ++i)
-    std::sort(all.stiffness.begin() + static_cast<std::ptrdiff_t>(all.first[i]),
-              all.stiffness.begin() + static_cast<std::ptrdiff_t>(all.first[i + 1]));
+/// Returns the stiffness (N/m) of the springs at each point, the softest one first.
+std::vector<std::vector<double>> springsOfPoints(const SpringConstants& springs, const Eigen::VectorXd& k,
+                                                 Eigen::Index points) {
+  std::vector<std::vector<double>> all(static_cast<std::size_t>(points));
+  for (std::size_t i = 0; i < springs.a.size(); ++i)
+    for (const std::uint32_t end : {springs.a[i], springs.b[i]})
+      all[end].push_back(k[static_cast<Eigen::Index>(i)]);
+  for (std::vector<double>& stiffness : all) std::sort(stiffness.begin(), stiffness.end());
   return all;
 }
 
 /// Returns the largest stiffness (N/m) c for which  sum min(k, c) <= largest  over the springs of a point.
-double cap(const SpringsOfPoints& all, std::size_t point, double largest) {
-  for (std::size_t i = all.first[point], end = all.first[point + 1]; i < end; ++i) {
-    const auto left = static_cast<double>(end - i);
-    if (left * all.stiffness[i] >= largest) return largest / left;
-    largest -= all.stiffness[i];
+double cap(const std::vector<double>& stiffness, double largest) {
+  auto left = static_cast<double>(stiffness.size());
+  for (const double k : stiffness) {
+    if (left * k >= largest) return largest / left;
+    largest -= k, left -= 1.0;
   }
   return std::numeric_limits<double>::infinity();
 }
@@ -415,15 +384,17 @@ double cap(const SpringsOfPoints& all, std::size_t point, double largest) {
 /// point get so soft that its row  w sum k  is at most half of `largest`, as Gershgorin's bound requires;
 /// then these are made stiffer by what the graph's bound is below that.
 double soften(SpringConstants& springs, const Points& inverseMass, double largest) {
-  const Eigen::VectorXd w = inverseMass.colwise().maxCoeff(), k = stiffest(springs);
-  const SpringsOfPoints all = springsOfPoints(springs, k, w.size());
+  const Eigen::VectorXd w = inverseMass.colwise().maxCoeff();
+  Eigen::VectorXd k(static_cast<Eigen::Index>(springs.a.size()));
+  for (std::size_t i = 0; i < springs.a.size(); ++i) k[static_cast<Eigen::Index>(i)] = stiffest(springs, i);
+  const std::vector<std::vector<double>> all = springsOfPoints(springs, k, w.size());
   Eigen::VectorXd caps(w.size()), share(k.size());
   for (Eigen::Index i = 0; i < w.size(); ++i)
-    caps[i] = w[i] > 0.0 ? cap(all, static_cast<std::size_t>(i), 0.5 * largest / w[i]) : HUGE_VAL;
+    caps[i] = w[i] > 0.0 ? cap(all[static_cast<std::size_t>(i)], 0.5 * largest / w[i]) : HUGE_VAL;
   for (Eigen::Index i = 0; i < k.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
-    const double stiffest = std::min(caps[springs.a[s]], caps[springs.b[s]]);
-    share[i] = k[i] > stiffest ? stiffest / k[i] : 1.0;
+    const double most = std::min(caps[springs.a[s]], caps[springs.b[s]]);
+    share[i] = k[i] > most ? most / k[i] : 1.0;
   }
   const double bound = graphBoundSquared(springs, share.cwiseProduct(k), w);
   if (bound < largest) share = (largest / bound * share).cwiseMin(1.0);
@@ -480,18 +451,14 @@ SoftenedConstants softened(const ElasticConstants& full, const Points& restShape
   return result;
 }
 
-std::shared_ptr<const SoftenedConstants> SharedSoftening::of(const ElasticConstants& full,
-                                                             const Points& restShape,
-                                                             const Points& inverseMass, double largest) {
-  const std::lock_guard<std::mutex> guard(lock_);
-  const auto isGone = [](const auto& made) { return made.expired(); };
-  made_.erase(std::remove_if(made_.begin(), made_.end(), isGone), made_.end());
-  for (const auto& made : made_)
-    if (auto found = made.lock(); found && found->largest == largest && found->inverseMass == inverseMass)
-      return found;
-  auto constants = std::make_shared<const SoftenedConstants>(softened(full, restShape, inverseMass, largest));
-  made_.push_back(constants);
-  return constants;
+std::shared_ptr<const SoftenedConstants> softened(SharedSoftening& shared, const ElasticConstants& full,
+                                                  const Points& restShape, const Points& inverseMass,
+                                                  double largest) {
+  return shared.get(
+      [&](const SoftenedConstants& known) {
+        return known.largest == largest && known.inverseMass == inverseMass;
+      },
+      [&] { return softened(full, restShape, inverseMass, largest); });
 }
 
 }  // namespace limber

@@ -11,7 +11,6 @@
 #include <limber/soft_body_settings.h>
 
 #include <memory>
-#include <mutex>
 #include <vector>
 
 namespace limber {
@@ -127,16 +126,10 @@ SoftenedConstants softened(const ElasticConstants& full, const Points& restShape
                            double largest);
 
 /// The softened constants of bodies of one model. Bodies with equal masses and limits share them, so that
-/// they can be stepped in SIMD lanes. Several threads may use it.
-class SharedSoftening {
- public:
-  /// See softened(). The result lives as long as a body uses it.
-  std::shared_ptr<const SoftenedConstants> of(const ElasticConstants& full, const Points& restShape,
-                                              const Points& inverseMass, double largest);
-
- private:
-  std::mutex lock_;
-  std::vector<std::weak_ptr<const SoftenedConstants>> made_;
-};
+/// they can be stepped in SIMD lanes.
+using SharedSoftening = SharedObjects<SoftenedConstants>;
+std::shared_ptr<const SoftenedConstants> softened(SharedSoftening& shared, const ElasticConstants& full,
+                                                  const Points& restShape, const Points& inverseMass,
+                                                  double largest);
 
 }  // namespace limber

@@ -157,6 +157,7 @@ void resetScratch(TetrahedronVolumes& v, std::size_t points) {
   s.directions.assign(points, Eigen::Matrix3d::Zero());
   s.rates.resize(points);
   s.rowSums.assign(points, 0.0);
+  v.mobility.resize(v->tetrahedra.size());
 }
 
 /// Lengths (m) of the sides of the faces opposite to the corners, summed.

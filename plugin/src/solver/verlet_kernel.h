@@ -7,6 +7,48 @@
 
 namespace limber::kernel {
 
+// --- vectors -----------------------------------------------------------------------------------------------
+
+template <class V>
+struct Vector {
+  V x, y, z;
+};
+
+template <class V>
+inline Vector<V> cross(const Vector<V>& a, const Vector<V>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class V>
+inline V dot(const Vector<V>& a, const Vector<V>& b) {
+  return a.x * b.x + (a.y * b.y + a.z * b.z);
+}
+
+template <class V>
+inline Vector<V> scaled(V factor, const Vector<V>& a) {
+  return {factor * a.x, factor * a.y, factor * a.z};
+}
+
+template <class V>
+inline Vector<V> displacementFrom(const V* a, const V* b) {
+  return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+}
+
+template <class V>
+inline void store(const Vector<V>& from, V* to) {
+  to[0] = from.x, to[1] = from.y, to[2] = from.z;
+}
+
+template <class V>
+inline void add(V* sum, const Vector<V>& a) {
+  sum[0] = sum[0] + a.x, sum[1] = sum[1] + a.y, sum[2] = sum[2] + a.z;
+}
+
+template <class V>
+inline void subtract(V* sum, const Vector<V>& a) {
+  sum[0] = sum[0] - a.x, sum[1] = sum[1] - a.y, sum[2] = sum[2] - a.z;
+}
+
 // --- the volume term of closed surfaces --------------------------------------------------------------------
 
 /// The closed surfaces of a body.
@@ -60,21 +102,18 @@ inline Push<V> pushOf(V volume, V restVolume, V modulus, V gasPressure, V ambien
 /// of its area vector.
 template <class V>
 inline V sixVolumes(const Volumes<V>& v, Index component, const V* position) {
-  V sx = all(V(), 0.0), sy = sx, sz = sx;
-  const V* o = position + 3 * v.corners[3 * v.firstTriangle[component]];
+  Vector<V> sum{all(V(), 0.0), all(V(), 0.0), all(V(), 0.0)};
+  const V* origin = position + 3 * v.corners[3 * v.firstTriangle[component]];
   for (Index t = v.firstTriangle[component]; t < v.firstTriangle[component + 1]; ++t) {
     const Index* corner = v.corners + 3 * t;
-    const V *a = position + 3 * corner[0], *b = position + 3 * corner[1], *c = position + 3 * corner[2];
-    const V bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2];
-    const V cx = c[0] - a[0], cy = c[1] - a[1], cz = c[2] - a[2];
-    const V nx = by * cz - bz * cy, ny = bz * cx - bx * cz, nz = bx * cy - by * cx;
-    sx = sx + (a[0] - o[0]) * nx, sy = sy + (a[1] - o[1]) * ny, sz = sz + (a[2] - o[2]) * nz;
-    for (Index k = 0; k < 3; ++k) {
-      V* g = v.gradient + 3 * corner[k];
-      g[0] = g[0] + nx, g[1] = g[1] + ny, g[2] = g[2] + nz;
-    }
+    const V* a = position + 3 * corner[0];
+    const Vector<V> n =
+        cross(displacementFrom(a, position + 3 * corner[1]), displacementFrom(a, position + 3 * corner[2]));
+    const Vector<V> from = displacementFrom(origin, a);
+    sum = {sum.x + from.x * n.x, sum.y + from.y * n.y, sum.z + from.z * n.z};
+    for (Index k = 0; k < 3; ++k) add(v.gradient + 3 * corner[k], n);
   }
-  return sx + (sy + sz);
+  return sum.x + (sum.y + sum.z);
 }
 
 /// Writes six times the volume of component c to sums[4 c], and after it sum w g^2 for each axis, where g is
@@ -145,26 +184,6 @@ struct Tetrahedra {
   const double* crushModulus = nullptr;  ///< Pa, one number
 };
 
-template <class V>
-struct Vector {
-  V x, y, z;
-};
-
-template <class V>
-inline Vector<V> cross(const Vector<V>& a, const Vector<V>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-template <class V>
-inline V dot(const Vector<V>& a, const Vector<V>& b) {
-  return a.x * b.x + (a.y * b.y + a.z * b.z);
-}
-
-template <class V>
-inline Vector<V> scaled(V factor, const Vector<V>& a) {
-  return {factor * a.x, factor * a.y, factor * a.z};
-}
-
 /// Returns the outward push (Pa) of a tetrahedron with this volume relative to its rest volume.
 template <class V>
 inline V tetrahedronPush(V relativeVolume, V modulus, V crushModulus) {
@@ -194,16 +213,6 @@ inline CornerForces<V> tetrahedronForces(const Vector<V>& b, const Vector<V>& c,
 }
 
 template <class V>
-inline Vector<V> displacementFrom(const V* a, const V* b) {
-  return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-}
-
-template <class V>
-inline void add(V* force, const Vector<V>& f) {
-  force[0] = force[0] + f.x, force[1] = force[1] + f.y, force[2] = force[2] + f.z;
-}
-
-template <class V>
 inline void addTetrahedronForces(const Tetrahedra<V>& t, const V* position, V* force) {
   for (Index i = 0; i < t.count; ++i) {
     const Index* corner = t.corners + 4 * i;
@@ -212,10 +221,8 @@ inline void addTetrahedronForces(const Tetrahedra<V>& t, const V* position, V* f
         displacementFrom(a, position + 3 * corner[1]), displacementFrom(a, position + 3 * corner[2]),
         displacementFrom(a, position + 3 * corner[3]), all(V(), t.inverseRest[i]), t.stabilityScale[i],
         all(V(), *t.modulus), all(V(), *t.crushModulus));
-    V* fa = force + 3 * corner[0];
-    fa[0] = fa[0] - (f.b.x + (f.c.x + f.d.x));
-    fa[1] = fa[1] - (f.b.y + (f.c.y + f.d.y));
-    fa[2] = fa[2] - (f.b.z + (f.c.z + f.d.z));
+    subtract(force + 3 * corner[0],
+             Vector<V>{f.b.x + (f.c.x + f.d.x), f.b.y + (f.c.y + f.d.y), f.b.z + (f.c.z + f.d.z)});
     add(force + 3 * corner[1], f.b);
     add(force + 3 * corner[2], f.c);
     add(force + 3 * corner[3], f.d);
@@ -291,25 +298,22 @@ inline V crossingForce(V s0, V s1, V k, V loss) {
 /// Stores the direction from a to b and adds the forces to both ends, with this share of crossingForce().
 template <class V>
 inline void addForce(const Springs<V>& s, Index i, const Points<V>& p, double crossing) {
-  const V* xa = p.position + 3 * s.a[i];
-  const V* xb = p.position + 3 * s.b[i];
-  const V dx = xb[0] - xa[0], dy = xb[1] - xa[1], dz = xb[2] - xa[2];
-  const Pull<V> pull = pullOf(dx * dx + (dy * dy + dz * dz), all(V(), s.restLength[i]),
-                              all(V(), s.extensionStiffness[i]), all(V(), s.compressionStiffness[i]));
-  V* n = s.direction + 3 * i;
-  n[0] = dx * pull.scale, n[1] = dy * pull.scale, n[2] = dz * pull.scale;
-  V fx = pull.force * n[0], fy = pull.force * n[1], fz = pull.force * n[2];
+  const Index a = 3 * s.a[i], b = 3 * s.b[i];
+  const Vector<V> d = displacementFrom(p.position + a, p.position + b);
+  const Pull<V> pull = pullOf(dot(d, d), all(V(), s.restLength[i]), all(V(), s.extensionStiffness[i]),
+                              all(V(), s.compressionStiffness[i]));
+  const Vector<V> n = scaled(pull.scale, d);
+  store(n, s.direction + 3 * i);
+  Vector<V> force = scaled(pull.force, n);
   if (s.stretch) {
     const V difference = all(V(), s.extensionStiffness[i] - s.compressionStiffness[i]);
-    const V force = pull.force + all(V(), crossing) * crossingForce(s.stretch[i], pull.stretch, difference,
-                                                                    all(V(), s.crossingLoss[i]));
+    const V crossed = pull.force + all(V(), crossing) * crossingForce(s.stretch[i], pull.stretch, difference,
+                                                                      all(V(), s.crossingLoss[i]));
     s.stretch[i] = pull.stretch;
-    fx = force * (dx * pull.inverse), fy = force * (dy * pull.inverse), fz = force * (dz * pull.inverse);
+    force = scaled(crossed, scaled(pull.inverse, d));
   }
-  V* fa = p.force + 3 * s.a[i];
-  V* fb = p.force + 3 * s.b[i];
-  fa[0] = fa[0] + fx, fa[1] = fa[1] + fy, fa[2] = fa[2] + fz;
-  fb[0] = fb[0] - fx, fb[1] = fb[1] - fy, fb[2] = fb[2] - fz;
+  add(p.force + a, force);
+  subtract(p.force + b, force);
 }
 
 template <class V>
@@ -321,16 +325,13 @@ inline void computeForces(const Springs<V>& s, const Points<V>& p, double crossi
 /// Applies the damping impulse to both ends: `factor` (kg) times their relative speed along the spring.
 template <class V>
 inline void damp(const Springs<V>& s, Index i, const V& factor, const Points<V>& p) {
-  const V* n = s.direction + 3 * i;
   const Index a = 3 * s.a[i], b = 3 * s.b[i];
-  V* va = p.velocity + a;
-  V* vb = p.velocity + b;
-  const V *wa = p.inverseMass + a, *wb = p.inverseMass + b;
-  const V speed = n[0] * (vb[0] - va[0]) + (n[1] * (vb[1] - va[1]) + n[2] * (vb[2] - va[2]));
-  const V impulse = factor * speed;
-  const V jx = impulse * n[0], jy = impulse * n[1], jz = impulse * n[2];
-  va[0] = va[0] + jx * wa[0], va[1] = va[1] + jy * wa[1], va[2] = va[2] + jz * wa[2];
-  vb[0] = vb[0] - jx * wb[0], vb[1] = vb[1] - jy * wb[1], vb[2] = vb[2] - jz * wb[2];
+  const V *n = s.direction + 3 * i, *wa = p.inverseMass + a, *wb = p.inverseMass + b;
+  const Vector<V> direction{n[0], n[1], n[2]};
+  const V speed = dot(direction, displacementFrom(p.velocity + a, p.velocity + b));
+  const Vector<V> j = scaled(factor * speed, direction);
+  add(p.velocity + a, Vector<V>{j.x * wa[0], j.y * wa[1], j.z * wa[2]});
+  subtract(p.velocity + b, Vector<V>{j.x * wb[0], j.y * wb[1], j.z * wb[2]});
 }
 
 template <class V>
@@ -354,13 +355,18 @@ inline void drift(const Points<V>& p, double dt) {
   for (Index i = 0; i < 3 * p.count; ++i) p.position[i] = p.position[i] + time * p.velocity[i];
 }
 
-/// Callbacks for the drag and the contacts of points, except those with fixed planes.
+// --- bodies ------------------------------------------------------------------------------------------------
+
+/// The drag and the contacts of points, except those with fixed planes.
 struct ContactCalls {
-  void* context;  ///< nullptr: no contacts and no drag
-  bool always;    ///< they are needed in each substep, not only once a point leaves its search region
-  void (*stop)(void* context, double time, double dt);
-  void (*drag)(void* context);
-  void (*settle)(void* context);
+  bool always = true;  ///< they are needed in each substep, not only once a point leaves its search region
+
+  virtual void stop(double time, double dt) = 0;
+  virtual void drag(double dt) = 0;
+  virtual void settle() = 0;
+
+ protected:
+  ~ContactCalls() = default;
 };
 
 /// A single body, or one body per lane. Bodies in lanes share their springs and volume terms.
@@ -370,105 +376,103 @@ struct Body {
   Points<V> points;
   Volumes<V> volumes;
   Tetrahedra<V> tetrahedra;
-  int sweepCount;  ///< over the dampers in a substep; 0: no dampers
-  const double* dampHalf;
-  const double* dampFull;
-  const ContactCalls* contactCalls;
-  V* earlierForce;  ///< #points x 3, scratch
-  Planes<V> planes = {};
-  SearchRegions<V> regions = {};
+  int sweeps;  ///< over the dampers in a substep; 0: no dampers
+  const double *dampHalf, *dampFull;
+  ContactCalls* contacts;  ///< nullptr: no contacts and no drag
+  V* earlierForce;         ///< #points x 3, scratch
+  Planes<V> planes;
+  SearchRegions<V> regions;
 
-  int sweeps() const { return sweepCount; }
-  const ContactCalls& contacts() const { return *contactCalls; }
+  void kick(double dt) const { kernel::kick(points, dt); }
+  void drift(double dt) const { kernel::drift(points, dt); }
+  void damp(bool whole, bool forward) const {
+    dampAll(springs, whole ? dampFull : dampHalf, forward, points);
+  }
+  void stopAtPlanes(double time, double dt) const { kernel::stopAtPlanes(planes, points, time, dt); }
+  void settleAtPlanes() const { kernel::settleAtPlanes(planes, points); }
+  bool anyLeaves(double dt) const { return kernel::anyLeaves(regions, points, dt); }
+
+  void computeForces(double crossing) const {
+    kernel::computeForces(springs, points, crossing);
+    addVolumeForces(volumes, points.position, points.inverseMass, points.force);
+    addTetrahedronForces(tetrahedra, points.position, points.force);
+  }
+
+  /// Computes the forces at the end of a substep. Returns the sum over the points of the squared change of
+  /// acceleration in the substep.
+  V computeForcesAndChange(double crossing) const {
+    for (Index i = 0; i < 3 * points.count; ++i) earlierForce[i] = points.force[i];
+    computeForces(crossing);
+    V sum[3] = {all(V(), 0.0), all(V(), 0.0), all(V(), 0.0)};
+    for (Index i = 0; i < 3 * points.count; i += 3)
+      for (Index c = 0; c < 3; ++c) {
+        const V change = (points.force[i + c] - earlierForce[i + c]) * points.inverseMass[i + c];
+        sum[c] = sum[c] + change * change;
+      }
+    return sum[0] + (sum[1] + sum[2]);
+  }
 };
 
-template <class V>
-inline void computeForces(const Body<V>& body, double crossing) {
-  computeForces(body.springs, body.points, crossing);
-  addVolumeForces(body.volumes, body.points.position, body.points.inverseMass, body.points.force);
-  addTetrahedronForces(body.tetrahedra, body.points.position, body.points.force);
-}
+/// The ends of springs in strips (Strips of division.h).
+struct StripBody {
+  /// Numbers of a slot: for each of these quantities x of its points, one from each strip, then y and z.
+  static constexpr unsigned kPosition = 0, kVelocity = 12, kForce = 24, kInverseMass = 36, kNumbers = 48;
 
-template <class V>
-inline void kick(const Body<V>& body, double dt) {
-  kick(body.points, dt);
-}
+  unsigned slots = 0;         ///< 0: not in strips
+  unsigned points = 0;        ///< of the body
+  double* numbers = nullptr;  ///< kNumbers x #slots, and one more that a shifted batch reads
+};
 
-template <class V>
-inline void drift(const Body<V>& body, double dt) {
-  drift(body.points, dt);
-}
+/// A body whose springs are computed four at a time. Each point has four doubles in each array: x, y, z, 0;
+/// each spring and tetrahedron has one number per array, and the numbers of both are multiples of four.
+/// `springs.direction` has only 1/m, 0 while a spring is slack. In strips `springs.a` and `b` have one entry
+/// per batch: the first number of its first spring's end. `volumes.sums` has 8 numbers per component.
+struct SpringBatchBody : Body<double> {
+  const unsigned char* apart;  ///< per batch of four springs: whether they share no point; not used in strips
+  StripBody strips;
+};
 
-template <class V>
-inline void dampAll(const Body<V>& body, bool whole, bool forward) {
-  dampAll(body.springs, whole ? body.dampFull : body.dampHalf, forward, body.points);
-}
+/// The points, or slots, from `begin` to `end`, or those with these entries of `numbers`, if it is set.
+struct BatchPoints {
+  unsigned begin, end;
+  const unsigned* numbers = nullptr;
+};
 
-template <class V>
-inline void stopAtPlanes(const Body<V>& body, double time, double dt) {
-  stopAtPlanes(body.planes, body.points, time, dt);
-}
-
-template <class V>
-inline void settleAtPlanes(const Body<V>& body) {
-  settleAtPlanes(body.planes, body.points);
-}
-
-template <class V>
-inline bool anyLeaves(const Body<V>& body, double dt) {
-  return anyLeaves(body.regions, body.points, dt);
-}
-
-/// Computes the forces at the end of a substep. Returns the sum over the points of the squared change of
-/// acceleration in the substep.
-template <class V>
-inline V computeForcesAndChange(const Body<V>& body, double crossing) {
-  const Points<V>& p = body.points;
-  for (Index i = 0; i < 3 * p.count; ++i) body.earlierForce[i] = p.force[i];
-  computeForces(body, crossing);
-  V sum[3] = {all(V(), 0.0), all(V(), 0.0), all(V(), 0.0)};
-  for (Index i = 0; i < p.count; ++i)
-    for (Index c = 0; c < 3; ++c) {
-      const V change = (p.force[3 * i + c] - body.earlierForce[3 * i + c]) * p.inverseMass[3 * i + c];
-      sum[c] = sum[c] + change * change;
-    }
-  return sum[0] + (sum[1] + sum[2]);
-}
+// --- the step ----------------------------------------------------------------------------------------------
 
 /// Applies the dampers in successive sweeps, in alternating order: forward first, or backward.
 template <class Stepped>
 inline void dampInSweeps(const Stepped& body, bool whole, bool forward) {
-  for (int k = 0; k < body.sweeps(); ++k) dampAll(body, whole, (k % 2 == 0) == forward);
+  for (int k = 0; k < body.sweeps; ++k) body.damp(whole, (k % 2 == 0) == forward);
 }
 
 /// Implements stepVerlet() of verlet_step.h for bodies without links. `Stepped` is Body<V> or another type
-/// with the same functions (spring_kernel.inl). Returns the larger result of computeForcesAndChange() in
+/// with the same members (spring_kernel.inl). Returns the larger result of computeForcesAndChange() in
 /// the middle and the last substep (only the last if `substeps` is odd).
 template <class V, class Stepped>
 inline V stepAlone(const Stepped& body, double tick, int substeps) {
-  const ContactCalls& contacts = body.contacts();
   const double dt = tick / substeps;
-  bool calls = contacts.context && contacts.always;
+  bool calls = body.contacts && body.contacts->always;
   V change = all(V(), 0.0);
-  computeForces(body, kFirstCrossing);
+  body.computeForces(kFirstCrossing);
   dampInSweeps(body, false, false);
   for (int s = 0; s < substeps; ++s) {
     const bool last = s + 1 == substeps;
-    kick(body, 0.5 * dt);
-    stopAtPlanes(body, s * dt, dt);
-    calls = calls || (contacts.context && anyLeaves(body, dt));
-    if (calls) contacts.stop(contacts.context, s * dt, dt);
-    drift(body, dt);
+    body.kick(0.5 * dt);
+    body.stopAtPlanes(s * dt, dt);
+    calls = calls || (body.contacts && body.anyLeaves(dt));
+    if (calls) body.contacts->stop(s * dt, dt);
+    body.drift(dt);
     if (last || 2 * s == substeps) {
-      const V now = computeForcesAndChange(body, last ? kLastCrossing : kCrossing);
+      const V now = body.computeForcesAndChange(last ? kLastCrossing : kCrossing);
       change = select(now > change, now, change);
     } else {
-      computeForces(body, kCrossing);
+      body.computeForces(kCrossing);
     }
-    kick(body, 0.5 * dt);
-    if (calls) contacts.drag(contacts.context);
-    settleAtPlanes(body);
-    if (calls) contacts.settle(contacts.context);
+    body.kick(0.5 * dt);
+    if (calls) body.contacts->drag(dt);
+    body.settleAtPlanes();
+    if (calls) body.contacts->settle();
     dampInSweeps(body, !last, s % 2 == 0);
   }
   return change;

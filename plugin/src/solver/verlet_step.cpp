@@ -3,7 +3,8 @@
 #include "solver/verlet_step.h"
 
 #include "solver/contacts.h"
-#include "solver/spring_batches.h"
+#include "solver/lane_kernels.h"
+#include "solver/simd_steps.h"
 
 #include <algorithm>
 #include <atomic>
@@ -34,45 +35,79 @@ double verletErrorRate(double change, Eigen::Index points, double dt) {
 
 MotionSums motionSums(const PointState& state, const Points& start, const RestShape& rest) {
   MotionSums sums;
-  kernel::sumUp(
-      kernel::MovedPoints<double>{static_cast<kernel::Index>(state.position.cols()), state.position.data(),
-                                  state.velocity.data(), state.inverseMass.data(), start.data(),
-                                  rest.fractions.data(), rest.weighted.data()},
-      sums);
+  kernel::sumUp(kernel::MovedPoints<double>{
+      static_cast<kernel::Index>(state.position.cols()), state.position.data(), state.velocity.data(),
+      state.inverseMass.data(), start.data(), rest.fractions.data(), rest.weighted.data(), &sums});
   return sums;
 }
 
 // --- a single body -----------------------------------------------------------------------------------------
 
+kernel::Body<double> kernelBody(SolverBody& body) {
+  SpringArrays& springs = *body.springs;
+  kernel::Body<double> b{};
+  b.springs = kernelSprings(springs);
+  b.points = kernelPoints(*body.points);
+  if (body.volumes) b.volumes = kernelVolumes(*body.volumes);
+  if (body.tetrahedra) b.tetrahedra = kernelTetrahedra(*body.tetrahedra);
+  b.sweeps = springs.sweeps;
+  b.dampHalf = springs.dampHalf.data(), b.dampFull = springs.dampFull.data();
+  b.earlierForce = body.points->earlierForce.data();
+  return b;
+}
+
 namespace {
 
+/// The contacts and the drag of a body that is stepped alone.
+struct BodyContacts final : kernel::ContactCalls {
+  SolverBody& body;
+  const PointView points;
+
+  /// `view` must hold the state at the start of the tick.
+  BodyContacts(SolverBody& stepped, const PointView& view) : body(stepped), points(view) {
+    if (mayTouch(body) && body.contacts) prepareContacts(*body.contacts, points);
+  }
+  bool areThere() const { return mayTouch(body) || body.drag; }
+  void stop(double time, double dt) override { solvePositions(body, points, time, dt); }
+  void drag(double dt) override { applyDrag(body, points, dt); }
+  void settle() override { solveVelocities(body, points); }
+};
+
+/// Decides where the body's state is in the step, and brings it there.
+BatchedBody loaded(SolverBody& body) {
+  if (body.springBatches && !(*body.springs)->limited) return {&body, true, loadSpringBatches(body)};
+  body.points->allocateForces();
+  body.springs->allocateDirections();
+  return {&body, false, {kernelBody(body), nullptr, {}}};
+}
+
+PointView viewOf(const BatchedBody& body) {
+  return body.inBatches ? viewOf(*body.stepped->springBatches) : viewOf(*body.stepped->points);
+}
+
 void stepSingle(SolverBody& body, double tick, int substeps) {
-  if (body.springBatches) return stepSpringBatches(body, tick, substeps);
-  PointState& state = *body.points;
-  SpringArrays& springs = *body.springs;
-  BodyContacts contacts{&body, viewOf(state), tick / substeps};
-  const kernel::ContactCalls calls = contacts.calls();
-  const double change = kernel::stepAlone<double>(
-      kernel::Body<double>{
-          kernelSprings(springs), kernelPoints(state),
-          body.volumes ? kernelVolumes(*body.volumes) : kernel::Volumes<double>{},
-          body.tetrahedra ? kernelTetrahedra(*body.tetrahedra) : kernel::Tetrahedra<double>{}, springs.sweeps,
-          springs.dampHalf.data(), springs.dampFull.data(), &calls, state.earlierForce.data()},
-      tick, substeps);
-  body.errorRate = verletErrorRate(change, state.position.cols(), tick / substeps);
+  BatchedBody stepped = loaded(body);
+  BodyContacts contacts(body, viewOf(stepped));
+  if (contacts.areThere()) stepped.arrays.contacts = &contacts;
+  if (stepped.inBatches) packPlanes(body);
+  const double change = stepped.inBatches
+                            ? kernel::stepSpringBatches(stepped.arrays, tick, substeps)
+                            : kernel::stepAlone<double, kernel::Body<double>>(stepped.arrays, tick, substeps);
+  if (stepped.inBatches) unloadSpringBatches(body);
+  body.errorRate = verletErrorRate(change, body.points->position.cols(), tick / substeps);
 }
 
 // --- a part of a body --------------------------------------------------------------------------------------
 
+using kernel::StripBody;
+
 kernel::BatchPoints pointsOf(const BatchedBody& body, const BodyPart& part) {
-  if (part.isWhole()) return {0, body.springBatches.points};
+  if (part.isWhole()) return {0, body.arrays.points.count};
   return {part.begin, part.end, (*body.stepped->springs)->division.points.data()};
 }
 
-/// Returns the slots of the points of a part: all of a whole body, or those of a range of the division; none
-/// without strips.
+/// Returns the slots of a part of a divided body; none without strips.
 kernel::BatchPoints slotsOf(const BatchedBody& body, const BodyPart& part) {
-  if (part.isWhole()) return {0, body.springBatches.strips.slots};
   const Division& division = (*body.stepped->springs)->division;
   if (division.strips.length == 0) return {0, 0};
   std::size_t slab = 0;
@@ -80,46 +115,20 @@ kernel::BatchPoints slotsOf(const BatchedBody& body, const BodyPart& part) {
   return {division.slotRanges[slab].begin, division.slotRanges[slab].end, division.slots.data()};
 }
 
-void clearForces(BatchedBody& body, const BodyPart& part) {
-  if (body.inBatches) kernel::clearBatchForces(body.springBatches, pointsOf(body, part));
-}
-
-/// Adds the forces of springs to cleared ones; of a whole body, all forces.
-void addForces(BatchedBody& body, const BodyPart& part, double crossing) {
-  const kernel::SpringBatchBody& b = body.springBatches;
-  if (!part.isWhole()) return kernel::addBatchSprings(b, part.begin, part.end, crossing);
-  if (!body.inBatches) return computeElasticForces(*body.stepped, crossing);
-  kernel::loadSlotPositions(b, slotsOf(body, part));
-  kernel::addBatchSprings(b, 0, b.springs, crossing);
-  kernel::unloadSlotForces(b, slotsOf(body, part));
-  kernel::addBatchVolumes(b);
-  kernel::addBatchTetrahedra(b, 0, b.tetrahedra.count);
-}
-
 void kick(BatchedBody& body, const BodyPart& part, double dt) {
-  const kernel::SpringBatchBody& b = body.springBatches;
-  if (!body.inBatches) return kernel::kick(kernelPoints(*body.stepped->points), dt);
-  kernel::kickBatchPoints(b, dt, pointsOf(body, part));
+  if (!body.inBatches) return body.arrays.kick(dt);
+  kernel::kickBatchPoints(body.arrays, dt, pointsOf(body, part));
 }
 
 void drift(BatchedBody& body, const BodyPart& part, double dt) {
-  const kernel::SpringBatchBody& b = body.springBatches;
-  if (!body.inBatches) return kernel::drift(kernelPoints(*body.stepped->points), dt);
-  kernel::driftBatchPoints(b, dt, pointsOf(body, part));
+  if (!body.inBatches) return body.arrays.drift(dt);
+  kernel::driftBatchPoints(body.arrays, dt, pointsOf(body, part));
 }
 
 void damp(BatchedBody& body, const BodyPart& part, bool whole, bool forward) {
-  const kernel::SpringBatchBody& b = body.springBatches;
-  if (body.inBatches && !part.isWhole())
-    return kernel::dampBatchSprings(b, whole, forward, part.begin, part.end);
-  if (body.inBatches) {
-    kernel::loadSlotVelocities(b, slotsOf(body, part));
-    kernel::dampBatchSprings(b, whole, forward, 0, b.springs);
-    return kernel::unloadSlotVelocities(b, slotsOf(body, part));
-  }
-  SpringArrays& springs = *body.stepped->springs;
-  const std::vector<double>& impulse = whole ? springs.dampFull : springs.dampHalf;
-  kernel::dampAll(kernelSprings(springs), impulse.data(), forward, kernelPoints(*body.stepped->points));
+  if (!body.inBatches) return body.arrays.damp(whole, forward);
+  if (part.isWhole()) return kernel::dampBatch(body.arrays, whole, forward);
+  kernel::dampBatchSprings(body.arrays, whole, forward, part.begin, part.end);
 }
 
 // --- islands -----------------------------------------------------------------------------------------------
@@ -142,9 +151,8 @@ void addParts(std::uint32_t number, const BatchedBody& body, StepParts& parts) {
   };
   const SolverBody& b = *body.stepped;
   const Division& springs = (*b.springs)->division;
-  addRanges(springs, body.springBatches.springs, parts.springs);
-  if (b.tetrahedra)
-    addRanges((*b.tetrahedra)->division, body.springBatches.tetrahedra.count, parts.tetrahedra);
+  addRanges(springs, body.arrays.springs.count, parts.springs);
+  if (b.tetrahedra) addRanges((*b.tetrahedra)->division, body.arrays.tetrahedra.count, parts.tetrahedra);
   for (const Range& range : springs.pointRanges) parts.points.push_back({number, range.begin, range.end});
   const auto points = static_cast<std::uint32_t>(b.points->position.cols());
   parts.divided.push_back(number);
@@ -172,18 +180,13 @@ void makeParts(SolverIsland& group) {
     if (isDivided(group.inStep[i])) addParts(i, group.inStep[i], parts);
 }
 
-/// Decides where each body's state is in the step, and divides large bodies among the threads.
+/// Loads the bodies, and divides large ones among the threads.
 void load(SolverIsland& group) {
   group.inStep.clear();
   group.links.views.clear();
   for (SolverBody& body : group.bodies) {
-    group.inStep.push_back({&body, body.springBatches && !(*body.springs)->limited, {}});
-    BatchedBody& stepped = group.inStep.back();
-    if (stepped.inBatches)
-      stepped.springBatches = loadSpringBatches(body, nullptr);
-    else
-      body.points->allocateForces();
-    group.links.views.push_back(stepped.inBatches ? viewOf(*body.springBatches) : viewOf(*body.points));
+    group.inStep.push_back(loaded(body));
+    group.links.views.push_back(viewOf(group.inStep.back()));
   }
   makeParts(group);
 }
@@ -230,38 +233,39 @@ void estimateErrors(SolverIsland& group, double dt) {
   }
 }
 
-/// Calls visit(springBatches, slots) for the slots of divided bodies, on all threads.
-template <class Visit>
-void forEachSlab(SolverIsland& group, Team& team, Visit visit) {
+/// Loads or unloads a quantity of the slots of divided bodies, on all threads.
+void moveSlots(SolverIsland& group, Team& team, decltype(kernel::loadSlots) move, unsigned quantity) {
   if (group.parts.divided.empty()) return;
   forEach(group, team, group.parts.points, [&](BatchedBody& body, const BodyPart& part) {
-    if (!part.isWhole()) visit(body.springBatches, slotsOf(body, part));
+    if (!part.isWhole()) move(body.arrays, slotsOf(body, part), quantity);
   });
 }
 
-/// Clears the forces and adds those of the springs of the first phase. The springs inside a slab need no
-/// other slab.
+/// Computes the forces of a whole body. Clears those of a part of a divided one, and adds those of its
+/// springs of the first phase: the springs inside a slab need no other slab.
 void startForces(SolverIsland& group, std::uint32_t i, double crossing) {
-  const StepParts& parts = group.parts;
-  BatchedBody& body = group.inStep[parts.points[i].body];
-  clearForces(body, parts.points[i]);
-  if (!parts.points[i].isWhole())
-    kernel::loadSlotPositions(body.springBatches, slotsOf(body, parts.points[i]));
-  addForces(body, parts.springs[0][i], crossing);
+  const BodyPart &points = group.parts.points[i], &springs = group.parts.springs[0][i];
+  BatchedBody& body = group.inStep[points.body];
+  if (!body.inBatches) return computeElasticForces(*body.stepped, crossing);
+  if (points.isWhole()) return kernel::computeBatchForces(body.arrays, crossing);
+  kernel::clearBatchForces(body.arrays, pointsOf(body, points));
+  kernel::loadSlots(body.arrays, slotsOf(body, points), StripBody::kPosition);
+  kernel::addBatchSprings(body.arrays, springs.begin, springs.end, crossing);
 }
 
 /// Adds all forces but those of startForces().
 void addOtherForces(SolverIsland& group, Team& team, double dt, double crossing) {
   for (std::size_t phase = 1; phase < Division::kPhases; ++phase)
-    forEach(group, team, group.parts.springs[phase],
-            [&](BatchedBody& body, const BodyPart& part) { addForces(body, part, crossing); });
-  forEachSlab(group, team, kernel::unloadSlotForces);
+    forEach(group, team, group.parts.springs[phase], [&](BatchedBody& body, const BodyPart& part) {
+      kernel::addBatchSprings(body.arrays, part.begin, part.end, crossing);
+    });
+  moveSlots(group, team, kernel::unloadSlots, StripBody::kForce);
   team.forEach(static_cast<std::uint32_t>(group.parts.divided.size()), [&](std::uint32_t i) {
-    kernel::addBatchVolumes(group.inStep[group.parts.divided[i]].springBatches);
+    kernel::addBatchVolumes(group.inStep[group.parts.divided[i]].arrays);
   });
   for (const std::vector<BodyPart>& phase : group.parts.tetrahedra)
     forEach(group, team, phase, [](BatchedBody& body, const BodyPart& part) {
-      kernel::addBatchTetrahedra(body.springBatches, part.begin, part.end);
+      kernel::addBatchTetrahedra(body.arrays, part.begin, part.end);
     });
   for (RigidState& rigid : group.links.rigids) {
     rigid.force.setZero();
@@ -303,10 +307,10 @@ void dampInSweep(SolverIsland& group, Team& team, int sweep, bool whole, bool fo
 void damp(SolverIsland& group, Team& team, double dt, bool whole, bool forward) {
   int sweeps = 0;
   for (const SolverBody& body : group.bodies) sweeps = std::max(sweeps, body.springs->sweeps);
-  forEachSlab(group, team, kernel::loadSlotVelocities);
+  moveSlots(group, team, kernel::loadSlots, StripBody::kVelocity);
   for (int sweep = 0; sweep < sweeps; ++sweep)
     dampInSweep(group, team, sweep, whole, (sweep % 2 == 0) == forward);
-  forEachSlab(group, team, kernel::unloadSlotVelocities);
+  moveSlots(group, team, kernel::unloadSlots, StripBody::kVelocity);
   dampLinks(group.links, whole ? dt : 0.5 * dt, forward);
 }
 

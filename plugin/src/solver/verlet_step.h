@@ -4,7 +4,6 @@
 // Velocity Verlet for a single soft body, or for several together with the rigid bodies coupled to them.
 
 #include "solver/contacts.h"
-#include "solver/lane_kernels.h"
 #include "solver/links.h"
 #include "solver/medium.h"
 #include "solver/motion_sums.h"
@@ -44,7 +43,7 @@ struct SolverBody {
   TetrahedronVolumes* tetrahedra = nullptr;  ///< may be nullptr
 
   SpringBatchArrays* springBatches =
-      nullptr;  ///< to step it four springs at a time, see spring_batches.h; may be nullptr
+      nullptr;  ///< to step it four springs at a time, see simd_steps.h; may be nullptr
 
   PackedPlanes* packed = nullptr;  ///< rows of `contacts`; set in steps with springBatches
   ContactWatch* watch = nullptr;   ///< may be nullptr
@@ -59,6 +58,9 @@ struct SolverBody {
 /// Sets the points' forces to those of springs and volume terms. Stores the springs' directions for the
 /// dampers.
 void computeElasticForces(SolverBody& body, double crossing = kernel::kFirstCrossing);
+
+/// Returns the argument of kernel::stepAlone(), without contacts and drag.
+kernel::Body<double> kernelBody(SolverBody& body);
 
 /// Returns the energy (J) of springs and volume terms with the points at `position`.
 double elasticEnergy(SolverBody& body, const Points& position);
@@ -77,8 +79,8 @@ double verletErrorRate(double change, Eigen::Index points, double dt);
 /// A body during a step together with others.
 struct BatchedBody {
   SolverBody* stepped;
-  bool inBatches;  ///< its state is in `springBatches`, otherwise in stepped->points
-  kernel::SpringBatchBody springBatches;
+  bool inBatches;                  ///< its state is in stepped->springBatches, otherwise in stepped->points
+  kernel::SpringBatchBody arrays;  ///< where its state is; only the fields of kernel::Body if not in batches
 };
 
 /// What one task of a step computes: a whole body, or a range of the points, springs or tetrahedra of a
@@ -181,34 +183,5 @@ inline void solveVelocities(SolverBody& body, const PointView& points) {
   if (body.contacts) solveVelocities(ContactRows(*body.contacts, body.packed), points);
   settleUnpredicted(body, points);
 }
-
-/// A body's contacts and drag in the form of the kernels' callbacks. When calls() is called, `points` must
-/// hold the state at the start of the tick.
-struct BodyContacts {
-  SolverBody* body;
-  PointView points;
-  double dt;  ///< s, of a substep
-
-  kernel::ContactCalls calls() {
-    const bool touches = mayTouch(*body);
-    if (touches && body->contacts) prepareContacts(*body->contacts, points);
-    return {touches || body->drag ? this : nullptr, true, &BodyContacts::stop, &BodyContacts::drag,
-            &BodyContacts::settle};
-  }
-
- private:
-  static void stop(void* context, double time, double dt) {
-    auto& self = *static_cast<BodyContacts*>(context);
-    solvePositions(*self.body, self.points, time, dt);
-  }
-  static void drag(void* context) {
-    auto& self = *static_cast<BodyContacts*>(context);
-    applyDrag(*self.body, self.points, self.dt);
-  }
-  static void settle(void* context) {
-    auto& self = *static_cast<BodyContacts*>(context);
-    solveVelocities(*self.body, self.points);
-  }
-};
 
 }  // namespace limber

@@ -250,9 +250,6 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
   v.ambient = settings.ambientPressure;
   v.shortestEdge = shortestEdge(v.triangles, rest);
   VolumeArrays volumes;
-  volumes.gradient.setZero(3, rest.cols());
-  volumes.sums.assign(4 * v.restVolume.size(), 0.0);
-  volumes.rowSums.assign(network.restPoints.size(), 0.0);
   volumes.constants = SharedConstants<VolumeConstants>(std::move(v));
   return volumes;
 }
@@ -260,6 +257,8 @@ VolumeArrays makeVolumes(const SpringNetwork& network, const SoftBodySettings& s
 kernel::Volumes<double> kernelVolumes(VolumeArrays& v) {
   kernel::Volumes<double> k;
   if (v.empty()) return k;
+  v.gradient.resize(3, static_cast<Eigen::Index>(v->componentOf.size()));
+  v.sums.resize(4 * v->restVolume.size());
   k.components = static_cast<kernel::Index>(v->restVolume.size());
   k.points = static_cast<kernel::Index>(v->componentOf.size());
   k.firstTriangle = v->firstTriangle.data();
@@ -308,7 +307,7 @@ double volumeEnergy(const VolumeArrays& v, const Points& position) {
 double volumeFrequencyBoundSquared(VolumeArrays& v, const PointState& state, double tick, double slack) {
   if (v.empty()) return 0.0;
   kernel::sumUp(kernelVolumes(v), state.position.data(), state.inverseMass.data());
-  std::fill(v.rowSums.begin(), v.rowSums.end(), 0.0);
+  v.rowSums.assign(v->componentOf.size(), 0.0);
   v.farFromRest = false;
   for (std::size_t c = 0; c < v->restVolume.size(); ++c) boundComponent(v, c, state, tick, slack);
   double largest = 0.0;  // rowSums of points of no component are 0
