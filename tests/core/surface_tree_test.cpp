@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Bounding box trees compared with tests of all pairs, and the inside test of a box.
+#include "collide/near_features.h"
 #include "mesh/surface.h"
 #include "support/moving_shapes.h"
 
@@ -61,6 +62,44 @@ TEST(SurfaceTree, findsThePairsThatAreNear) {
     std::sort(near.begin(), near.end());
     EXPECT_EQ(near, expected) << "trial " << trial;
     EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(areLeavesNear(a.surface(), b.surface(), 0.05, waiting));
+  }
+}
+
+SweptBox boxOf(const MovingShape& shape, const Edge& edge) {
+  return merged(shape.boxes.points[edge[0]], shape.boxes.points[edge[1]]);
+}
+
+/// Lists what of the surface is near the box.
+void listNear(MovingShape& shape, const SweptBox& box, double margin, NearFeatures& near) {
+  listNearFeatures(shape.surface(), {}, {box, box, margin}, near);
+}
+
+TEST(NearFeatures, findThePairsOfEdgesThatAreNear) {
+  constexpr double kMargin = 0.05, kRounded = 1e-6;  // m
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 20; ++trial) {
+    MovingShape a = randomSoup(60, random), b = randomSoup(1 + 7 * trial, random);
+    b.move(Eigen::Affine3d(Eigen::Translation3d(1.0, 0.2, 0.0)));
+    NearFeatures nearA, nearB;
+    b.surface();
+    listNear(a, b.boxes.vertices, kMargin, nearA);
+    listNear(b, nearA.edgeBoxes.bounds(), kMargin, nearB);
+    EXPECT_LT(nearA.edges.size(), a.topology.edges.size());
+    LeafPairs overlapping, near, expected;
+    nearA.edgeBoxes.findNear(nearB.edgeBoxes, overlapping);
+    for (const auto& [i, j] : overlapping) {
+      const std::uint32_t edgeA = nearA.edges[i].edge, edgeB = nearB.edges[j].edge;
+      const double apart = separation(boxOf(a, a.topology.edges[edgeA]), boxOf(b, b.topology.edges[edgeB]));
+      EXPECT_LT(apart, kMargin + kRounded);
+      if (apart <= kMargin) near.emplace_back(edgeA, edgeB);
+    }
+    for (std::uint32_t i = 0; i < a.topology.edges.size(); ++i)
+      for (std::uint32_t j = 0; j < b.topology.edges.size(); ++j)
+        if (separation(boxOf(a, a.topology.edges[i]), boxOf(b, b.topology.edges[j])) <= kMargin)
+          expected.emplace_back(i, j);
+    std::sort(near.begin(), near.end());
+    EXPECT_EQ(near, expected) << "trial " << trial;
   }
 }
 

@@ -228,6 +228,8 @@ void writeGroup(LinkedGroup& group, btScalar tick, TickProfile& work);
 
 /// A pair of members of an island whose surfaces touch or may touch.
 struct IslandPair {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
   const SurfaceCandidate* surfaces = nullptr;
   std::uint32_t a = 0, b = 0;  ///< indices in step.bodies; for a rigid b, in step.links.rigids
   double displacement = 0.0, searchDistance = 0.0;  ///< see displacementOf(), searchDistanceOf()
@@ -244,12 +246,14 @@ struct IslandPair {
   double moved = 0.0;        ///< since the last search, as a share of the motion after which one is due
   double moving = 0.0;       ///< until the next round of searches, likewise
   std::uint32_t period = 0;  ///< rounds until the next search, a power of 2; 0: it is not due now
+  std::uint32_t firstLate = kNone, lastLate = kNone;  ///< of its contacts in Island::late
 };
 
 /// A contact found during the step.
 struct LateContact {
   std::uint32_t candidate = 0;
   ContactSource source;
+  std::uint32_t next = IslandPair::kNone;  ///< of the same candidate
 };
 
 /// Groups and rigid bodies that touch in a tick. They are stepped together in it.

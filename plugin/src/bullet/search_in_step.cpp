@@ -25,9 +25,8 @@ void forEachContact(const Island& island, std::uint32_t number, const TickContac
        it != island.contacts.end() && *it < m.end; ++it)
     visit(found.contacts[*it].source.key, static_cast<std::uint32_t>(it - begin));
   const std::size_t first = island.contacts.size() + island.rows.size();
-  for (std::size_t i = 0; i < island.late.size(); ++i)
-    if (island.late[i].candidate == number)
-      visit(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
+  for (std::uint32_t i = island.candidates[number].firstLate; i != IslandPair::kNone; i = island.late[i].next)
+    visit(island.late[i].source.key, static_cast<std::uint32_t>(first + i));
 }
 
 /// Lists the contacts of a candidate that have borne a load in this tick.
@@ -79,7 +78,7 @@ void renew(Contact& stored, const Contact& contact) {
 
 /// Stores the contacts that a search has found for a candidate.
 void storeFound(Island& island, std::uint32_t number, const TickContacts& found, ContactsInStep& inStep) {
-  const IslandPair& m = island.candidates[number];
+  IslandPair& m = island.candidates[number];
   collectOldContacts(island, number, found);
   std::vector<std::uint32_t>& newOnes = inStep.newOnes;
   newOnes.clear();
@@ -97,7 +96,10 @@ void storeFound(Island& island, std::uint32_t number, const TickContacts& found,
       renew(*old, inStep.contacts[i]);
       continue;
     }
-    island.late.push_back({number, inStep.contacts[i].source});
+    const auto late = static_cast<std::uint32_t>(island.late.size());
+    (m.lastLate == IslandPair::kNone ? m.firstLate : island.late[m.lastLate].next) = late;
+    m.lastLate = late;
+    island.late.push_back({number, inStep.contacts[i].source, IslandPair::kNone});
     island.step.pairs.contacts.push_back(inStep.contacts[i]);
   }
 }

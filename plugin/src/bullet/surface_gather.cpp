@@ -466,8 +466,7 @@ bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   const double extraMargin = ownDisplacement(m) + m.stopped - radii;
   if (isSelf(m))
     return mayTouchItself(a, margin(m), m.displacement, extraMargin - m.displacement, s.search, s.contacts);
-  findNearLeaves(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting, s.search.near);
-  return !s.search.near.empty();
+  return areLeavesNear(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting);
 }
 
 Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint) {

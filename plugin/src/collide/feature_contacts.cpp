@@ -98,10 +98,6 @@ void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, Surfa
   search.candidates.push_back({c, point, featureSize, vertex, rank, sameDirection(pair, featureSize)});
 }
 
-MovingFeature<1> vertexOf(const MovingSurface& surface, std::uint32_t v) {
-  return {surface.position->col(v), surface.motion->col(v)};
-}
-
 // --- time of impact ----------------------------------------------------------------------------------------
 
 /// Returns an upper bound of the decrease of the distance along the unit `direction` from b to a during the
@@ -152,8 +148,8 @@ constexpr double kMinSlopeCosine = 0.5;
 
 struct VertexTriangle {
   const SurfacePair& pair;
-  MovingFeature<1> vertex;
-  MovingFeature<3> triangle;
+  const MovingFeature<1>& vertex;
+  const MovingFeature<3>& triangle;
   PenetratingVertex record;  ///< depth and isFootInside are set only behind a one-sided triangle
   double side = 1.0;         ///< -1: the vertex is behind a triangle that is not one-sided
 
@@ -257,23 +253,22 @@ bool projectOnTriangle(const MovingFeature<3>::Corners& triangle, const Vector3d
   return true;
 }
 
-void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
-                           ContactSearch& search) {
-  const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
-  VertexTriangle features{
-      pair, vertexOf(own, v), featureOf<3>(other, other.topology->triangles[triangle]), {ofB, v, triangle}};
-  Vector3d normal = features.normal(0.0);
-  if (normal.squaredNorm() == 0.0) return;
-  double height = normal.dot(features.vertex.start - features.triangle.start.col(0));
+void collideVertexTriangle(const SurfacePair& pair, bool ofB, const NearVertex& vertex,
+                           const NearTriangle& triangle, ContactSearch& search) {
+  if (triangle.normal.squaredNorm() == 0.0) return;
+  VertexTriangle features{pair, vertex.feature, triangle.feature, {ofB, vertex.vertex, triangle.triangle}};
+  Vector3d normal = triangle.normal;
+  double height = normal.dot(vertex.feature.start - triangle.feature.start.col(0));
   if (height < 0.0) {
-    if (other.topology->oneSided[triangle])
-      return addPenetrating(features, -height, other.topology->depthLimit[triangle], search);
+    const SurfaceTopology& t = *(ofB ? pair.a : pair.b).topology;
+    if (t.oneSided[triangle.triangle])
+      return addPenetrating(features, -height, t.depthLimit[triangle.triangle], search);
     features.side = -1.0;
     normal = -normal;
     height = -height;
   }
   const double gap = height - pair.radiusSum();
-  if (gap > pair.margin && approachAlong(normal, features.vertex, features.triangle) < gap) return;
+  if (gap > pair.margin && approachAlong(normal, vertex.feature, triangle.feature) < gap) return;
   const double time = gap > 0.0 ? timeOfImpact(features, height) : 0.0;
   if (time != kNever)
     addVertexInFront(features, time, search);
@@ -361,9 +356,9 @@ bool areParallel(const Vector3d& a, const Vector3d& b) {
 bool stayApart(const MovingFeature<2>& a, const MovingFeature<2>& b, const Vector3d& normal,
                double distance) {
   const double start = normal.dot(b.start.col(0) - a.start.col(0)), side = start < 0.0 ? -1.0 : 1.0;
-  const Eigen::RowVector2d motionA = side * normal.transpose() * a.motion,
-                           motionB = side * normal.transpose() * b.motion;
-  const double nearest = side * start + std::min(0.0, motionB.minCoeff() - motionA.maxCoeff());
+  const double a0 = side * normal.dot(a.motion.col(0)), a1 = side * normal.dot(a.motion.col(1)),
+               b0 = side * normal.dot(b.motion.col(0)), b1 = side * normal.dot(b.motion.col(1));
+  const double nearest = side * start + std::min(0.0, std::min(b0, b1) - std::max(a0, a1));
   return nearest > 0.0 && nearest * nearest > distance * distance * normal.squaredNorm();
 }
 
@@ -457,8 +452,10 @@ bool havePassedThrough(const Crossing& crossing, const NearestPoints<2, 2>& near
 
 }  // namespace
 
-void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search) {
-  const MovingFeature<1> a = vertexOf(pair.a, va), b = vertexOf(pair.b, vb);
+void collideVertices(const SurfacePair& pair, const NearVertex& vertexA, const NearVertex& vertexB,
+                     ContactSearch& search) {
+  const MovingFeature<1>&a = vertexA.feature, &b = vertexB.feature;
+  const std::uint32_t va = vertexA.vertex, vb = vertexB.vertex;
   const auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever) return;
   const Vector3d normal = directionBetween(nearest, a, b), motion = a.motion - b.motion;
@@ -475,15 +472,16 @@ void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb
                pair.radiusSum(), vertex, search);
 }
 
-void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
-                       ContactSearch& search) {
+void collideVertexEdge(const SurfacePair& pair, bool ofB, const NearVertex& nearVertex,
+                       const NearEdge& nearEdge, ContactSearch& search) {
   const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
-  const MovingFeature<1> vertex = vertexOf(own, v);
-  const auto segment = featureOf<2>(other, other.topology->edges[edge]);
+  const std::uint32_t v = nearVertex.vertex, edge = nearEdge.edge;
+  const MovingFeature<1>& vertex = nearVertex.feature;
+  const MovingFeature<2>& segment = nearEdge.feature;
   const auto nearest = findFeatureContact(vertex, segment, pair.radiusSum(), pair.margin);
   if (nearest.time == kNever || nearest.b.minCoeff() <= 0.0) return;
   const Vector3d outward = directionBetween(nearest, vertex, segment);
-  const double length = edgeVector(segment, 0.0).norm();
+  const double length = nearEdge.along.norm();
   const ConeTolerance tolerance = vertexTolerance(own, other, length);
   if (!isInNormalCone(other, nearest.time, edge, outward, tolerance)) return;
   const Vector3d motion = vertex.motion - segment.motion * nearest.b;
@@ -494,15 +492,14 @@ void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::
                contactVertex(pair, v, ofB), search);
 }
 
-void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, bool bears,
+void collideEdges(const SurfacePair& pair, const NearEdge& edgeA, const NearEdge& edgeB, bool bears,
                   ContactSearch& search) {
-  const auto a = featureOf<2>(pair.a, pair.a.topology->edges[ea]);
-  const auto b = featureOf<2>(pair.b, pair.b.topology->edges[eb]);
-  const Vector3d startA = edgeVector(a, 0.0), startB = edgeVector(b, 0.0);
-  if (areParallel(startA, startB)) return;
+  const MovingFeature<2>&a = edgeA.feature, &b = edgeB.feature;
+  const std::uint32_t ea = edgeA.edge, eb = edgeB.edge;
   // under load the edges may be through each other by more than their radii
   const double reach = bears ? std::max(pair.radiusSum(), passLimit(pair, ea, eb)) : pair.radiusSum();
-  if (stayApart(a, b, startA.cross(startB), reach + pair.margin)) return;
+  if (stayApart(a, b, edgeA.along.cross(edgeB.along), reach + pair.margin)) return;
+  if (areParallel(edgeA.along, edgeB.along)) return;
   auto nearest = findFeatureContact(a, b, pair.radiusSum(), pair.margin);
   const bool deep = nearest.time == kNever && reach > pair.radiusSum();
   if (deep) nearest = findFeatureContact(a, b, reach, pair.margin);

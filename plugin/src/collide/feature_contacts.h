@@ -86,8 +86,8 @@ NearestPoints<N, M> nearestPoints(const MovingFeature<N>& a, const MovingFeature
 /// Tests a vertex of a with a triangle of b, or (`ofB`) a vertex of b with a triangle of a. A vertex in front
 /// becomes a candidate if its foot is in the triangle, now or at the time of impact. A vertex behind a
 /// one-sided triangle is added to `search.penetrating`.
-void collideVertexTriangle(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t triangle,
-                           ContactSearch& search);
+void collideVertexTriangle(const SurfacePair& pair, bool ofB, const NearVertex& vertex,
+                           const NearTriangle& triangle, ContactSearch& search);
 
 /// Adds the candidate of a vertex that the triangle pushes along the unit `normal`.
 void addVertexOnTriangle(const SurfacePair& pair, const PenetratingVertex& vertex,
@@ -108,15 +108,16 @@ bool projectOnTriangle(const MovingFeature<3>::Corners& triangle, const Eigen::V
 // other at the nearest points of the features, now or at the time of impact.
 
 /// Tests a vertex of a with a vertex of b.
-void collideVertices(const SurfacePair& pair, std::uint32_t va, std::uint32_t vb, ContactSearch& search);
+void collideVertices(const SurfacePair& pair, const NearVertex& a, const NearVertex& b,
+                     ContactSearch& search);
 
 /// Tests a vertex of a with an edge of b, or (`ofB`) a vertex of b with an edge of a.
-void collideVertexEdge(const SurfacePair& pair, bool ofB, std::uint32_t v, std::uint32_t edge,
+void collideVertexEdge(const SurfacePair& pair, bool ofB, const NearVertex& vertex, const NearEdge& edge,
                        ContactSearch& search);
 
 /// Tests an edge of a with an edge of b that crosses it. Edges of solid bodies may have passed through each
 /// other by less than the depth limit of their triangles. `bears`: they have borne a load in the last tick.
-void collideEdges(const SurfacePair& pair, std::uint32_t ea, std::uint32_t eb, bool bears,
+void collideEdges(const SurfacePair& pair, const NearEdge& a, const NearEdge& b, bool bears,
                   ContactSearch& search);
 
 }  // namespace limber

@@ -59,6 +59,10 @@ struct SurfaceNode {
   std::uint32_t element = kNoFeature;  ///< kNoFeature: not a leaf
 };
 
+/// Size of a stack of nodes. One sibling per level waits while the other is visited, and halving makes at
+/// most 32 levels.
+constexpr std::size_t kNodeStack = 40;
+
 /// The constant data of a surface that moves and deforms. Built once for each network and scale, or shape.
 struct SurfaceTopology {
   std::vector<Triangle> triangles;
@@ -113,6 +117,7 @@ struct Extent {
 struct SurfaceBoxes {
   std::vector<SweptBox> points;  ///< #points
   std::vector<SweptBox> nodes;   ///< #nodes of its tree
+  SweptBox vertices;             ///< around all vertices
 };
 
 /// A surface during one tick. Time runs from 0 at its start to 1 at its end; points move on straight lines.
@@ -209,11 +214,8 @@ using LeafPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
                     LeafPairs& near);
 
-/// As findNearLeaves(), but only if an edge that is not covered, or a vertex, of the leaf of b is near the
-/// leaf of a: large triangles of b are near many leaves. `covered`: #edges of b, not 0: covered; nullptr:
-/// none is.
-void findLeavesNearEdges(const MovingSurface& a, const MovingSurface& b, double margin,
-                         const std::vector<std::uint8_t>* covered, LeafPairs& waiting, LeafPairs& near);
+/// Whether there are such pairs.
+bool areLeavesNear(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting);
 
 /// The nearest point on the triangles of a surface.
 struct NearestOnSurface {

@@ -51,21 +51,23 @@ bool isOwnCorner(const SurfacePair& pair, std::uint32_t v, const std::array<std:
 /// Tests the vertices that `own` owns with all features of `other`. `ofB`: `own` is an element of surface b.
 void collideVerticesOf(const SurfacePair& pair, bool ofB, const BoxedElement& own, const BoxedElement& other,
                        ContactSearch& search) {
+  const MovingSurface &ours = ofB ? pair.b : pair.a, &theirs = ofB ? pair.a : pair.b;
   for (const std::uint32_t v : own.element->vertices) {
     if (v == kNoFeature || separation(own.vertexBox(v), other.whole) > pair.margin) continue;
     const SweptBox& box = own.vertexBox(v);
+    const NearVertex vertex = nearVertex(ours, v);
     if (other.element->triangle != kNoFeature && !isOwnCorner(pair, v, other.element->corners))
-      collideVertexTriangle(pair, ofB, v, other.element->triangle, search);
-    const std::vector<Edge>& edges = (ofB ? pair.a : pair.b).topology->edges;
+      collideVertexTriangle(pair, ofB, vertex, nearTriangle(theirs, other.element->triangle), search);
+    const std::vector<Edge>& edges = theirs.topology->edges;
     for (std::size_t i = 0; i < 3; ++i)
       if (const std::uint32_t edge = other.element->edges[i]; edge != kNoFeature &&
                                                               !isOwnCorner(pair, v, edges[edge]) &&
                                                               separation(box, other.edges[i]) <= pair.margin)
-        collideVertexEdge(pair, ofB, v, edge, search);
+        collideVertexEdge(pair, ofB, vertex, nearEdge(theirs, edge), search);
     for (const std::uint32_t w : other.element->vertices)
       if (!ofB && w != kNoFeature && !(pair.self && v == w) &&
           separation(box, other.vertexBox(w)) <= pair.margin)
-        collideVertices(pair, v, w, search);
+        collideVertices(pair, vertex, nearVertex(theirs, w), search);
   }
 }
 
@@ -86,11 +88,11 @@ void collideEdgesOf(const SurfacePair& pair, const BoxedElement& a, const BoxedE
     const Edge& ends = pair.a.topology->edges[edgeA];
     for (std::size_t j = 0; j < 3; ++j)
       if (const std::uint32_t edgeB = b.element->edges[j];
-          edgeB != kNoFeature && !isCovered(pair, edgeB) &&
-          !isOwnCorner(pair, ends[0], pair.b.topology->edges[edgeB]) &&
+          edgeB != kNoFeature && !isOwnCorner(pair, ends[0], pair.b.topology->edges[edgeB]) &&
           !isOwnCorner(pair, ends[1], pair.b.topology->edges[edgeB]) &&
           separation(a.edges[i], b.edges[j]) <= pair.margin)
-        if (!bears(search, edgeA, edgeB)) collideEdges(pair, edgeA, edgeB, false, search);
+        if (!bears(search, edgeA, edgeB))
+          collideEdges(pair, nearEdge(pair.a, edgeA), nearEdge(pair.b, edgeB), false, search);
   }
 }
 
@@ -104,7 +106,7 @@ void collideBearingEdges(const SurfacePair& pair, ContactSearch& search) {
     if (key != keyOf(kEdgeEdge, edgeA, edgeB) || edgeA >= pair.a.topology->edges.size() ||
         edgeB >= pair.b.topology->edges.size() || isCovered(pair, edgeB))
       continue;
-    collideEdges(pair, edgeA, edgeB, true, search);
+    collideEdges(pair, nearEdge(pair.a, edgeA), nearEdge(pair.b, edgeB), true, search);
   }
 }
 
@@ -116,7 +118,7 @@ void collideNearFeatures(const SurfacePair& pair, ContactSearch& search) {
   for (const auto& [i, j] : search.near) {
     if (i != leafA) a = boxed(pair.a, leafA = i);
     if (j != leafB) b = boxed(pair.b, leafB = j);
-    if (!pair.covered.vertices) collideVerticesOf(pair, false, a, b, search);
+    collideVerticesOf(pair, false, a, b, search);
     collideVerticesOf(pair, true, b, a, search);
     collideEdgesOf(pair, a, b, search);
   }
@@ -163,17 +165,10 @@ class Between {
   /// Whether the surfaces, and so their convex hulls, do not come near each other.
   bool areApart() const { return areApart(a_, b_); }
 
-  /// Drops the pairs in `search.near` that are apart.
-  void dropApart() const {
-    std::uint32_t leafA = kNoFeature, leafB = kNoFeature;
-    Extent a, b;
-    const auto isApart = [&](const LeafPairs::value_type& near) {
-      if (near.first != leafA) a = extentOf(pair_.a, leafA = near.first, search_.pointsA);
-      if (near.second != leafB) b = extentOf(pair_.b, leafB = near.second, search_.pointsB);
-      return areApart(a, b);
-    };
-    LeafPairs& near = search_.near;
-    near.erase(std::remove_if(near.begin(), near.end(), isApart), near.end());
+  /// Whether elements of a and b are.
+  bool areApart(std::uint32_t elementA, std::uint32_t elementB) const {
+    return areApart(extentOf(pair_.a, elementA, search_.pointsA),
+                    extentOf(pair_.b, elementB, search_.pointsB));
   }
 
  private:
@@ -182,9 +177,10 @@ class Between {
   }
 
   /// Returns the extent of an element, with the depth to which it pushes out what is behind it.
-  Extent extentOf(const MovingSurface& surface, std::uint32_t leaf, const std::vector<Extent>& points) const {
+  Extent extentOf(const MovingSurface& surface, std::uint32_t number,
+                  const std::vector<Extent>& points) const {
     const SurfaceTopology& t = *surface.topology;
-    const SurfaceElement& element = t.elements[t.nodes[leaf].element];
+    const SurfaceElement& element = t.elements[number];
     const auto& [i, j, k] = element.corners;
     Extent extent{std::min({points[i].low, points[j].low, points[k].low}),
                   std::max({points[i].high, points[j].high, points[k].high})};
@@ -297,13 +293,66 @@ void removeDuplicates(Candidates& candidates, std::vector<SurfaceContact>& found
 
 // --- the search --------------------------------------------------------------------------------------------
 
+void finishSearch(const SurfacePair& pair, ContactSearch& search, std::vector<SurfaceContact>& found) {
+  collideBearingEdges(pair, search);
+  addInsideVertices(pair, search);
+  removeDuplicates(search.candidates, found);
+}
+
 void searchNear(const SurfacePair& pair, ContactSearch& search, std::vector<SurfaceContact>& found) {
   search.candidates.clear();
   search.penetrating.clear();
   collideNearFeatures(pair, search);
-  collideBearingEdges(pair, search);
-  addInsideVertices(pair, search);
-  removeDuplicates(search.candidates, found);
+  finishSearch(pair, search, found);
+}
+
+/// Fills search.nearA and search.nearB.
+void listNear(const SurfacePair& pair, ContactSearch& search) {
+  const bool verticesOfA = !pair.covered.vertices;
+  const SurfaceBoxes& boxesB = *pair.b.boxes;
+  NearFeatures& a = search.nearA;
+  listNearFeatures(pair.a, {verticesOfA, true, nullptr}, {boxesB.vertices, boxesB.nodes[0], pair.margin}, a);
+  const SweptBox features = merged(a.vertexBoxes.bounds(), a.edgeBoxes.bounds());
+  listNearFeatures(pair.b, {true, verticesOfA, pair.covered.edges},
+                   {features, merged(features, a.triangleBoxes.bounds()), pair.margin}, search.nearB);
+}
+
+/// Whether a vertex is behind a triangle and outside the boxes of what the triangle pushes out: in single
+/// precision these are a little larger.
+bool isBeyond(const SurfacePair& pair, bool ofB, const NearVertex& vertex, const NearTriangle& triangle,
+              const Between* between) {
+  const Vector3d from = vertex.feature.start - triangle.feature.start.col(0);
+  if (triangle.normal.dot(from) >= 0.0) return false;
+  const MovingSurface &own = ofB ? pair.b : pair.a, &other = ofB ? pair.a : pair.b;
+  if (separation(own.boxes->points[vertex.vertex], other.boxes->nodes[triangle.leaf]) > pair.margin)
+    return true;
+  return between && (ofB ? between->areApart(triangle.element, vertex.element)
+                         : between->areApart(vertex.element, triangle.element));
+}
+
+/// Tests the vertices of one surface with the triangles and edges of the other.
+void collideListedVertices(const SurfacePair& pair, bool ofB, const Between* between, ContactSearch& search) {
+  const NearFeatures &own = ofB ? search.nearB : search.nearA, &other = ofB ? search.nearA : search.nearB;
+  own.vertexBoxes.findNear(other.triangleBoxes, search.near);
+  for (const auto& [i, j] : search.near)
+    if (!isBeyond(pair, ofB, own.vertices[i], other.triangles[j], between))
+      collideVertexTriangle(pair, ofB, own.vertices[i], other.triangles[j], search);
+  own.vertexBoxes.findNear(other.edgeBoxes, search.near);
+  for (const auto& [i, j] : search.near)
+    collideVertexEdge(pair, ofB, own.vertices[i], other.edges[j], search);
+}
+
+/// Tests what is near of search.nearA and search.nearB.
+void collideListed(const SurfacePair& pair, const Between* between, ContactSearch& search) {
+  const NearFeatures &a = search.nearA, &b = search.nearB;
+  collideListedVertices(pair, false, between, search);
+  collideListedVertices(pair, true, between, search);
+  a.vertexBoxes.findNear(b.vertexBoxes, search.near);
+  for (const auto& [i, j] : search.near) collideVertices(pair, a.vertices[i], b.vertices[j], search);
+  a.edgeBoxes.findNear(b.edgeBoxes, search.near);
+  for (const auto& [i, j] : search.near)
+    if (!bears(search, a.edges[i].edge, b.edges[j].edge))
+      collideEdges(pair, a.edges[i], b.edges[j], false, search);
 }
 
 }  // namespace
@@ -316,12 +365,11 @@ void findSurfaceContacts(const MovingSurface& a, const MovingSurface& b, double 
   std::optional<Between> between;
   if (std::max(a.position->cols(), b.position->cols()) < kManyPoints) between.emplace(pair, search);
   if (between && between->areApart()) return;
-  if (covered.vertices)
-    findLeavesNearEdges(a, b, margin, covered.edges, search.waiting, search.near);
-  else
-    findNearLeaves(a, b, margin, search.waiting, search.near);
-  if (between) between->dropApart();
-  searchNear(pair, search, found);
+  search.candidates.clear();
+  search.penetrating.clear();
+  listNear(pair, search);
+  collideListed(pair, between ? &*between : nullptr, search);
+  finishSearch(pair, search, found);
 }
 
 // --- a surface with itself ---------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 // Contacts of two surfaces, or of one with itself, that exist or will arise during a tick; and a cache of the
 // contacts of the last search.
 
+#include "collide/near_features.h"
 #include "collide/surface.h"
 
 #include <array>
@@ -70,6 +71,7 @@ struct ElementMotion {
 /// Scratch of a search. It is reused so that its memory is not allocated again.
 struct ContactSearch {
   LeafPairs waiting, near;               ///< see findNearLeaves()
+  NearFeatures nearA, nearB;             ///< of two surfaces
   std::vector<ElementMotion> elements;   ///< of a surface with itself
   std::vector<Extent> pointsA, pointsB;  ///< #points, along the line between the surfaces
   std::vector<FeatureCandidate> candidates;

@@ -13,10 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Size of the stack of nodes. One sibling per level waits while the other is visited, and halving makes at
-/// most 32 levels.
-constexpr std::size_t kStack = 40;
-
 /// Sorts elements along the longest side of the box of their centres. A full sort, not nth_element: the tree
 /// does not depend on the standard library.
 void sortAlongBox(std::uint32_t* begin, std::uint32_t* end, const std::vector<Vector3d>& centres) {
@@ -85,13 +81,12 @@ void descendIntoOne(const SurfaceNode& node, LeafPairs& waiting) {
   waiting.emplace_back(node.child, node.child);
 }
 
-/// Finds the pairs of leaves; leaves out the pairs of nodes for which isFar(i, j).
-template <class IsFar>
-void findNear(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
-              LeafPairs& near, IsFar isFar) {
+/// Calls visit(i, j) for the pairs of leaves within `margin` of each other, until it returns false.
+template <class Visit>
+void forEachNear(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
+                 Visit visit) {
   const bool self = &a == &b;
   const std::vector<SurfaceNode>&nodesA = a.topology->nodes, &nodesB = b.topology->nodes;
-  near.clear();
   waiting.clear();
   if (!nodesA.empty() && !nodesB.empty()) waiting.emplace_back(0, 0);
   while (!waiting.empty()) {
@@ -99,41 +94,13 @@ void findNear(const MovingSurface& a, const MovingSurface& b, double margin, Lea
     waiting.pop_back();
     if (self && i == j) {
       descendIntoOne(nodesA[i], waiting);
-    } else if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) <= margin && !isFar(i, j)) {
+    } else if (separation(a.boxes->nodes[i], b.boxes->nodes[j]) <= margin) {
       if (!isLeaf(nodesA[i]) || !isLeaf(nodesB[j]))
         descend(a, b, i, j, waiting);
-      else
-        near.push_back(self ? LeafPairs::value_type(std::minmax(i, j)) : LeafPairs::value_type(i, j));
+      else if (!visit(i, j))
+        return;
     }
   }
-}
-
-/// A ball around all that a node may touch.
-struct NodeBall {
-  Vector3d center;
-  double radius = 0.0;
-};
-
-NodeBall ballAround(const SweptBox& box) {
-  const Eigen::Array3d low = box.low.head<3>(), high = box.high.head<3>();
-  return {0.5 * (low + high), 0.5 * (high - low).matrix().norm()};
-}
-
-/// Returns the squared distance (m^2) of a point from the edges that are not covered, and from the vertices,
-/// that the element owns, at the start of the tick.
-double squaredDistanceFromEdges(const MovingSurface& surface, const SurfaceElement& element,
-                                const std::vector<std::uint8_t>* covered, const Vector3d& point) {
-  double least = HUGE_VAL;
-  for (const std::uint32_t e : element.edges) {
-    if (e == kNoFeature || (covered && (*covered)[e])) continue;
-    const Edge& edge = surface.topology->edges[e];
-    const Vector3d from = surface.position->col(edge[0]), to = surface.position->col(edge[1]);
-    const Vector3d nearest = from + nearestOnSegment(from, to, point) * (to - from);
-    least = std::min(least, (nearest - point).squaredNorm());
-  }
-  for (const std::uint32_t v : element.vertices)
-    if (v != kNoFeature) least = std::min(least, (surface.position->col(v) - point).squaredNorm());
-  return least;
 }
 
 /// Returns the sum of the normals around a vertex or an edge or of a triangle (where no weight is 0), each
@@ -215,6 +182,8 @@ void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes) {
   boxes.points.resize(static_cast<std::size_t>(surface.position->cols()));
   for (std::size_t i = 0; i < boxes.points.size(); ++i)
     boxes.points[i] = pointBox(surface, static_cast<Eigen::Index>(i));
+  boxes.vertices = SweptBox();
+  for (const std::uint32_t v : t.vertices) boxes.vertices = merged(boxes.vertices, boxes.points[v]);
   boxes.nodes.resize(t.nodes.size());
   for (std::size_t i = t.nodes.size(); i-- > 0;) {
     const SurfaceNode& node = t.nodes[i];
@@ -225,21 +194,21 @@ void fitBoxes(const MovingSurface& surface, SurfaceBoxes& boxes) {
 
 void findNearLeaves(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting,
                     LeafPairs& near) {
-  findNear(a, b, margin, waiting, near, [](std::uint32_t, std::uint32_t) { return false; });
+  const bool self = &a == &b;
+  near.clear();
+  forEachNear(a, b, margin, waiting, [&](std::uint32_t i, std::uint32_t j) {
+    near.push_back(self ? LeafPairs::value_type(std::minmax(i, j)) : LeafPairs::value_type(i, j));
+    return true;
+  });
 }
 
-void findLeavesNearEdges(const MovingSurface& a, const MovingSurface& b, double margin,
-                         const std::vector<std::uint8_t>* covered, LeafPairs& waiting, LeafPairs& near) {
-  const SurfaceTopology& t = *b.topology;
-  findNear(a, b, margin, waiting, near, [&](std::uint32_t i, std::uint32_t j) {
-    if (!isLeaf(t.nodes[j])) return false;
-    const SurfaceElement& element = t.elements[t.nodes[j].element];
-    double motion = 0.0;
-    for (const std::uint32_t c : element.corners) motion = std::max(motion, b.motion->col(c).squaredNorm());
-    const NodeBall ball = ballAround(a.boxes->nodes[i]);
-    const double within = margin + b.radius + std::sqrt(motion) + ball.radius;
-    return squaredDistanceFromEdges(b, element, covered, ball.center) > within * within;
+bool areLeavesNear(const MovingSurface& a, const MovingSurface& b, double margin, LeafPairs& waiting) {
+  bool found = false;
+  forEachNear(a, b, margin, waiting, [&](std::uint32_t, std::uint32_t) {
+    found = true;
+    return false;
   });
+  return found;
 }
 
 NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& point, double within) {
@@ -249,7 +218,7 @@ NearestOnSurface nearestOnSurface(const MovingSurface& surface, const Vector3d& 
   point4 << point, 0.0;
   NearestOnSurface nearest;
   double best = within * within;
-  std::array<std::uint32_t, kStack> stack{};
+  std::array<std::uint32_t, kNodeStack> stack{};
   std::size_t waiting = boxes.empty() ? 0 : 1;
   while (waiting > 0) {
     const std::uint32_t i = stack[--waiting];

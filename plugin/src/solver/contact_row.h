@@ -49,29 +49,23 @@ inline Motion angularVelocityOf(const ConstraintRotation& rotation) {
   return {w.x(), w.y(), w.z()};
 }
 
-/// Returns the tangential speeds (m/s) that the points' normal speeds add at their moment arms.
-inline ContactVector momentArmSpeeds(const IslandConstraints& rows, const ContactConstraint& row) {
-  ContactVector speeds;
-  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const double* v = rows.points[i].velocity;
-    const double speed = along(row.axes[0], {v[0], v[1], v[2]});
-    speeds.u += rows.momentArms[i].across[0] * speed;
-    speeds.v += rows.momentArms[i].across[1] * speed;
-  }
-  return speeds;
-}
-
-inline void applyAtMomentArms(IslandConstraints& rows, const ContactConstraint& row, const ContactVector& j) {
-  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
-    const MomentArm& momentArm = rows.momentArms[i];
-    const double impulse = momentArm.across[0] * j.u + momentArm.across[1] * j.v;
-    for (int k = 0; k < 3; ++k) rows.points[i].velocity[k] += momentArm.response[k] * impulse;
-  }
-}
-
-/// m/s, of side a relative to b.
+/// m/s, of side a relative to b. With a couple the normal speeds of the points add tangential speeds, at
+/// their moment arms.
 inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstraint& row) {
-  const Motion m = motionOf(rows, row);
+  Motion m;
+  ContactVector ofCouple;
+  const bool hasCouple = row.couple == Couple::Soft;
+  for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
+    const ConstraintPoint& p = rows.points[i];
+    const Motion v = {p.velocity[0], p.velocity[1], p.velocity[2]};
+    m.x += p.share * v.x;
+    m.y += p.share * v.y;
+    m.z += p.share * v.z;
+    if (!hasCouple) continue;
+    const double speed = along(row.axes[0], v);
+    ofCouple.u += rows.momentArms[i].across[0] * speed;
+    ofCouple.v += rows.momentArms[i].across[1] * speed;
+  }
   ContactVector speeds{row.surfaceSpeeds.n + along(row.axes[0], m),
                        row.surfaceSpeeds.u + along(row.axes[1], m),
                        row.surfaceSpeeds.v + along(row.axes[2], m)};
@@ -80,7 +74,7 @@ inline ContactVector speedsOf(const IslandConstraints& rows, const ContactConstr
     const Motion w = angularVelocityOf(t);
     speeds += {along(t.speeds[0], w), along(t.speeds[1], w), along(t.speeds[2], w)};
   }
-  if (row.couple == Couple::Soft) speeds += momentArmSpeeds(rows, row);
+  if (hasCouple) speeds += ofCouple;
   return speeds;
 }
 
@@ -105,11 +99,17 @@ inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const 
   const double x = a[0][0] * j.n + a[1][0] * j.u + a[2][0] * j.v;
   const double y = a[0][1] * j.n + a[1][1] * j.u + a[2][1] * j.v;
   const double z = a[0][2] * j.n + a[1][2] * j.u + a[2][2] * j.v;
+  const bool hasCouple = row.couple == Couple::Soft;
   for (std::uint32_t i = row.firstPoint; i < row.endPoint; ++i) {
     const ConstraintPoint& p = rows.points[i];
-    p.velocity[0] += p.response[0] * x;
-    p.velocity[1] += p.response[1] * y;
-    p.velocity[2] += p.response[2] * z;
+    double v[3] = {p.velocity[0] + p.response[0] * x, p.velocity[1] + p.response[1] * y,
+                   p.velocity[2] + p.response[2] * z};
+    if (hasCouple) {
+      const MomentArm& momentArm = rows.momentArms[i];
+      const double impulse = momentArm.across[0] * j.u + momentArm.across[1] * j.v;
+      for (int k = 0; k < 3; ++k) v[k] += momentArm.response[k] * impulse;
+    }
+    for (int k = 0; k < 3; ++k) p.velocity[k] = v[k];
   }
   for (std::uint32_t i = row.firstRotation; i < row.endRotation; ++i) {
     const ConstraintRotation& t = rows.rotations[i];
@@ -117,7 +117,6 @@ inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const 
     for (int k = 0; k < 3; ++k)
       w[k] += t.response[0][k] * j.n + t.response[1][k] * j.u + t.response[2][k] * j.v;
   }
-  if (row.couple == Couple::Soft) applyAtMomentArms(rows, row, j);
   row.impulse += j;
 }
 
