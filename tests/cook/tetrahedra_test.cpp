@@ -170,6 +170,16 @@ TEST(Tetrahedra, sayWhatTheyCannotFill) {
             "the spacing of 0.001 m needs a lattice of 2.04e+09 sites, it may have 4e+06");
 }
 
+/// The plate needs lattices as fine as its thickness, of some ten thousand points. Finer ones, of millions,
+/// were tried, too.
+TEST(Tetrahedra, ofAThinPlateAreNoMoreThanItNeeds) {
+  TriangleMesh plate = small_meshes::cube(1);
+  for (Eigen::Vector3d& p : plate.positions) p.y() *= 0.01;
+  const Result<TetrahedralMesh> filled = fillWithPoints(*weld(plate), 60);
+  ASSERT_TRUE(filled) << filled.error();
+  EXPECT_LT(filled->points.size(), 20000u);
+}
+
 TEST(Tetrahedra, sayWhichPieceIsTooThin) {
   const TriangleMesh cube = small_meshes::cube(1);
   const TriangleMesh mesh =

@@ -261,10 +261,14 @@ void keepBetter(Trial& best, Trial trial) {
   if (isBetter || best.spacing == 0.0) best = std::move(trial);
 }
 
+/// Lattices with more points than this many times the requested number are not tried.
+constexpr double kMostPoints = 1000.0;
+
 /// Searches the spacing for about this many points. There are two points for each cube of the lattice, and
 /// those of the surface, so the number depends on the spacing with a power between 2 and 3. It jumps where
 /// several rows are added at once.
 Trial searchSpacing(const SolidSurface& surface, double points, const std::function<bool(double)>& goOn) {
+  const double finest = std::cbrt(2.0 * surface.volume / (kMostPoints * points));
   double spacing = std::cbrt(3.0 * surface.volume / points);
   Trial best;
   int tried = 0;
@@ -276,11 +280,11 @@ Trial searchSpacing(const SolidSurface& surface, double points, const std::funct
     keepBetter(best, std::move(trial));
     return logRatio;
   };
-  for (int i = 0; i < 5; ++i) spacing *= std::exp(attempt(spacing) / 2.6);
+  for (int i = 0; i < 5; ++i) spacing = std::max(finest, spacing * std::exp(attempt(spacing) / 2.6));
   const double baseSpacing = best.spacing;
   for (const double factor : {0.9, 0.95, 1.05, 1.1}) attempt(factor * baseSpacing);
-  for (double finer = 0.85 * baseSpacing; !best.loss.empty() && finer > 0.5 * baseSpacing; finer *= 0.95)
-    attempt(finer);
+  const double last = std::max(finest, 0.5 * baseSpacing);
+  for (double finer = 0.85 * baseSpacing; !best.loss.empty() && finer > last; finer *= 0.95) attempt(finer);
   return best;
 }
 

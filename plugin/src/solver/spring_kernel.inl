@@ -333,8 +333,9 @@ void addBatchVolumes(const SpringBatchBody& body) {
     squares = squares + w[i] * gradient[i] * gradient[i];
   }
   for (Index c = 0; c < v.components; ++c)
-    sums[2 * c] = all(Quad(), stablePush(total(sums[2 * c]), total(sums[2 * c + 1]), v.restVolume[c],
-                                         *v.modulus, *v.gasPressure, *v.ambient, v.timeStep));
+    sums[2 * c] = stablePush(all(Quad(), total(sums[2 * c])), all(Quad(), total(sums[2 * c + 1])),
+                             all(Quad(), v.restVolume[c]), all(Quad(), *v.modulus),
+                             all(Quad(), *v.gasPressure), all(Quad(), *v.ambient), v.timeStep);
   for (Index i = 0; i < v.points; ++i) force[i] = force[i] + sums[2 * v.componentOf[i]] * gradient[i];
 }
 
