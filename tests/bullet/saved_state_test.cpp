@@ -453,6 +453,21 @@ TEST(SavedState, aCloneMovesLikeTheOriginal) {
   EXPECT_NEAR((*copy)->elasticEnergy(), body->elasticEnergy(), 1e-4 * body->elasticEnergy());
 }
 
+TEST(SavedState, aCloneHasNoContactsBeforeItsFirstTick) {
+  BulletWorld bullet;
+  bullet.addBoxFloor();
+  SoftBodySystem system(*bullet.world);
+  SoftBodySettings s = test::testedSettings();
+  s.position = {0, 0.53, 0};
+  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  bullet.simulate(0.5);
+  ASSERT_FALSE(body->contacts().empty());
+  const auto copy = system.clone(body, btTransform(btQuaternion::getIdentity(), vec(5, 4, 0)));
+  ASSERT_TRUE(copy) << copy.error();
+  EXPECT_TRUE((*copy)->contacts().empty());
+  EXPECT_FALSE(body->contacts().empty());
+}
+
 // --- files -------------------------------------------------------------------------------------------------
 
 /// Bodies without springs between them: these are not part of a file.

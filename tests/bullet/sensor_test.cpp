@@ -174,6 +174,26 @@ TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
   }
 }
 
+TEST(SurfaceSensors, softBodiesReportEachOtherAlike) {
+  BulletWorld bullet(0.0);
+  SoftBodySystem system(*bullet.world);
+  SoftBody* sensor = addSensedCube(system, 0.0);
+  SoftBody* cube = addSensedCube(system, 1.2);
+  sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  ASSERT_TRUE(cube->setVelocity(vec(0, -1, 0), vec(0, 0, 0)));
+  ASSERT_TRUE(sensor->setTransform(btTransform(btQuaternion(vec(0, 1, 0), btScalar(0.7)), vec(0, 0, 0))));
+  int ticksInContact = 0;
+  for (int i = 0; i < 90; ++i) {
+    bullet.tick();
+    const std::size_t contacts = cube->contacts().size();
+    ASSERT_EQ(sensor->contacts().size(), contacts) << "tick " << i;
+    for (std::size_t c = 0; c < contacts; ++c) EXPECT_EQ(sensor->contacts()[c].otherBody, cube);
+    ticksInContact += contacts > 0;
+  }
+  EXPECT_GE(ticksInContact, 75)
+      << "from the twelfth tick on; their corners stay far from the other one's faces";
+}
+
 // --- the profile -------------------------------------------------------------------------------------------
 
 TEST(Profile, countsTheWorkOfTheTick) {

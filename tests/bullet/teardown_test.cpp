@@ -126,6 +126,37 @@ TEST(Teardown, aNewWorldAtTheSamePlaceIsHookedAnew) {
   }
 }
 
+TEST(Teardown, aNewWorldAtTheSamePlaceMayHaveBodiesBeforeTheOldSystemGoes) {
+  BulletWorld bullet;
+  struct Settings {
+    explicit Settings(BulletWorld& b) : dispatcher(b.world->getDispatcher()) {}
+    btDispatcher* dispatcher;
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btDefaultCollisionConfiguration configuration;
+  } first(bullet), second(bullet);
+  alignas(btDiscreteDynamicsWorld) unsigned char place[sizeof(btDiscreteDynamicsWorld)];
+  const auto make = [&](Settings& s) {
+    return new (place) btDiscreteDynamicsWorld(s.dispatcher, &s.broadphase, &s.solver, &s.configuration);
+  };
+  btDiscreteDynamicsWorld* world = make(first);
+  auto old = std::make_unique<SoftBodySystem>(*world);
+  addCube(*old);
+  world->stepSimulation(btScalar(test::kTick), 0);
+  world->~btDiscreteDynamicsWorld();
+  world = make(second);
+  auto system = std::make_unique<SoftBodySystem>(*world);
+  SoftBody* cube = addCube(*system);
+  for (int i = 0; i < 10; ++i) world->stepSimulation(btScalar(test::kTick), 0);
+  old.reset();
+  for (int i = 0; i < 20; ++i) world->stepSimulation(btScalar(test::kTick), 0);
+  EXPECT_EQ(system->hookState(), HookState::Attached);
+  EXPECT_GT(cube->substeps(), 0);
+  EXPECT_LT(cube->centerOfMass().y(), 0.0) << "half a second of fall";
+  system.reset();
+  world->~btDiscreteDynamicsWorld();
+}
+
 TEST(Teardown, removingOnePointEndsTheBodyButNotTheWorld) {
   BulletWorld bullet;
   bullet.addBoxFloor();

@@ -268,6 +268,14 @@ DeepestContact deepestOf(SoftBodyData& body, btCollisionObject& own, const btCol
   return hit;
 }
 
+/// Adds a contact to the report, and to that of the other body: two soft bodies have one contact each.
+void addOnBothSides(SoftBodyData& body, const SoftContact& c, const ObjectHandle& partner) {
+  add(body, c, partner);
+  SoftBodyData* other = ownerOf(*partner.object);
+  const btCollisionObject& own = *body.surface.object;
+  if (other && other->report.fresh) add(*other, mirrored(c, own), handleOf(own));
+}
+
 /// Adds the points that touch the partner. Returns whether there are any.
 bool addPoints(SoftBodyData& body, const ObjectHandle& partner) {
   const Eigen::AlignedBox3d box = boxOf(*partner.object);
@@ -280,14 +288,51 @@ bool addPoints(SoftBodyData& body, const ObjectHandle& partner) {
     if (!hit.any) continue;
     SoftContact c = contactOf(body, hit);
     c.side = pointSide(i);
-    add(body, c, partner);
+    addOnBothSides(body, c, partner);
     any = true;
   }
   return any;
 }
 
+/// The first triangle of a soft body that an edge of another one passes through.
+struct PiercedTriangle final : btCollisionWorld::ClosestRayResultCallback {
+  PiercedTriangle(const Vector3d& from, const Vector3d& to)
+      : ClosestRayResultCallback(toBullet(from), toBullet(to)) {}
+  int triangle = -1;
+
+  btScalar addSingleResult(btCollisionWorld::LocalRayResult& hit, bool inWorld) override {
+    triangle = hit.m_localShapeInfo ? hit.m_localShapeInfo->m_triangleIndex : -1;
+    return ClosestRayResultCallback::addSingleResult(hit, inWorld);
+  }
+};
+
+/// Adds the edges that pass through triangles of another soft body.
+void addEdges(SoftBodyData& body, const ObjectHandle& partner) {
+  auto* other = const_cast<btCollisionObject*>(partner.object);
+  const btTransform& pose = other->getWorldTransform();
+  for (const Edge& edge : body.model->topology.edges) {
+    const Vector3d from = body.state.position.col(edge[0]), to = body.state.position.col(edge[1]);
+    PiercedTriangle hit(from, to);
+    btCollisionWorld::rayTestSingle(btTransform(btQuaternion::getIdentity(), hit.m_rayFromWorld),
+                                    btTransform(btQuaternion::getIdentity(), hit.m_rayToWorld), other,
+                                    other->getCollisionShape(), pose, hit);
+    if (!hit.hasHit()) continue;
+    SoftContact c;
+    c.body = body.handle;
+    c.other = other;
+    c.otherBody = readSide(other, hit.triangle, hit.m_hitPointWorld, c.otherSide);
+    c.position = hit.m_hitPointWorld;
+    c.normal = hit.m_hitNormalWorld;
+    const double share = double(hit.m_closestHitFraction);
+    c.side.points = {edge[0], edge[1], edge[1]};
+    c.side.weights = {1.0 - share, share, 0.0};
+    addOnBothSides(body, c, partner);
+  }
+}
+
 /// Bullet has no algorithm for concave objects with each other, nor for planes with triangles.
 void addSurfaceOf(SoftBodyData& body, const ObjectHandle& partner) {
+  if (isSoft(partner.object)) return addEdges(body, partner);
   const btCollisionShape& shape = *partner.object->getCollisionShape();
   if (!shape.isConvex() && !shape.isCompound()) return;
   const DeepestContact hit = deepestOf(body, *body.surface.object, *partner.object);
@@ -299,7 +344,8 @@ void addSurfaceOf(SoftBodyData& body, const ObjectHandle& partner) {
 }
 
 /// Adds the present contacts of the body with its sensors to its report, after a tick: of the points, or,
-/// where no point touches, of the triangles or springs with convex objects. For one thread.
+/// where no point touches, of the triangles or springs with convex objects, and of the edges with soft
+/// bodies. For one thread.
 void reportSensors(SoftBodyData& body) {
   if (!body.surface.object || body.surface.object->getWorldArrayIndex() < 0) return;
   for (const ObjectHandle& partner : body.sensors)

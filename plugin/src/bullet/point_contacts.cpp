@@ -72,7 +72,8 @@ void addHeld(SoftBodyData& body, const btCollisionObject& object) {
 void addPartner(SoftBodyData& body, btCollisionObject& object, double tick) {
   if (PointMass::from(&object)) return;
   if (SurfaceObject* surface = SurfaceObject::from(&object)) {
-    if (isSurfaceBody(body) && surface->owner()) addOnce(body.softPartners, surface->owner());
+    SoftBodyData* owner = surface->owner();
+    if (isSurfaceBody(body) && owner && owner->alive) addOnce(body.softPartners, owner);
   } else if (isStaticOrKinematic(object)) {
     addHeld(body, object);
   } else if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(&object)) {

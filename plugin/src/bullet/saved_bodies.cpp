@@ -157,7 +157,10 @@ Result<SoftBody*> SoftBodySystem::clone(SoftBody* body, const btTransform& trans
   if (!copy) return copy;
   Result<void> done = restoreStateOf(*(*copy)->data_, state);
   if (done) done = (*copy)->setTransform(transform);
-  if (done) return copy;
+  if (done) {
+    (*copy)->data_->report = ContactReport();  // the original's, elsewhere
+    return copy;
+  }
   destroyBody(*copy);
   return Error{done.error()};
 }

@@ -29,8 +29,9 @@ void SoftBodySystem::Impl::hookUp() {
   if (hook) return;
   const bool isFirst = std::none_of(step->systems.begin(), step->systems.end(),
                                     [](const Impl* system) { return system->hook != nullptr; });
-  hook = &TickHook::listen(*world, *this, hookKind == Hook::PreTick);
-  if (isFirst) step->kinematic.start(*world);
+  const bool known = isFirst || worldAlive();
+  hook = &TickHook::listen(*world, *this, hookKind == Hook::PreTick, known);
+  if (isFirst || !known) step->kinematic.start(*world);
 }
 
 /// Removes the hook of a system without bodies and springs, if the world is known to exist. Otherwise the
@@ -196,6 +197,7 @@ void SoftBodySystem::Impl::WorldStep::forgetGroups() {
   islands.count = 0;
   pairs.clear();
   living.clear();
+  absent.clear();
   springs.clear();
   groupsStale = true;
 }

@@ -142,11 +142,12 @@ struct LIMBER_HIDDEN SoftBodySystem::Impl::WorldStep {
   RigidSurfaces rigidSurfaces{shapes};
   ScratchPool<SurfaceSearch> searches;
   HeldPairs heldPairs;
-  std::vector<std::uint32_t> newIndex;                  // scratch of filterPairs()
-  std::vector<SoftBodyData*> living;                    // the bodies in the groups
-  std::vector<SoftBodyData*> moving;                    // those of the awake groups
-  std::vector<SoftBody*> pendingDestruction;            // of all systems, destroyed after the listener's call
-  std::vector<SpringConstraint*> springs;               // of all systems
+  std::vector<std::uint32_t> newIndex;        // scratch of filterPairs()
+  std::vector<SoftBodyData*> living;          // the bodies in the groups
+  std::vector<SoftBodyData*> absent;          // the application has removed them, and may put them back
+  std::vector<SoftBodyData*> moving;          // those of the awake groups
+  std::vector<SoftBody*> pendingDestruction;  // of all systems, destroyed after the listener's call
+  std::vector<SpringConstraint*> springs;     // of all systems
   std::vector<Handle<SpringConstraint>> brokenSprings;  // in the last tick
   std::vector<unsigned char> usableLinks;               // see updateUsableLinks()
   bool groupsStale = true;

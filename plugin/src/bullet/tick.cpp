@@ -68,11 +68,15 @@ std::shared_ptr<SoftBodySystem::Impl::WorldStep> SoftBodySystem::Impl::WorldStep
 
 void SoftBodySystem::Impl::WorldStep::updateLiving() {
   living.clear();
+  absent.clear();
   springs.clear();
   for (Impl* system : systems) {
     for (auto& body : system->bodies) {
       body->data_->alive = isAlive(*body->data_);
-      if (!body->data_->alive) continue;
+      if (!body->data_->alive) {
+        absent.push_back(body->data_.get());
+        continue;
+      }
       body->data_->inTick = &inTick;
       body->data_->index = static_cast<std::uint32_t>(living.size());
       living.push_back(body->data_.get());
@@ -106,6 +110,8 @@ void SoftBodySystem::Impl::WorldStep::divideBodies() {
 }
 
 void SoftBodySystem::Impl::WorldStep::rebuildGroupsIfNeeded() {
+  // those that are back make the groups stale
+  for (SoftBodyData* body : absent) isAlive(*body);
   for (const LinkedGroup& group : groups) groupsStale = groupsStale || !isWhole(group);
   groupsStale = updateUsableLinks(*world, living, springs, usableLinks) || groupsStale;
   if (!groupsStale) return;

@@ -40,7 +40,7 @@ TickHook* findHook(HookList& list, btDynamicsWorld* world) {
 
 }  // namespace
 
-TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool pretick) {
+TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool pretick, bool known) {
   HookList& list = hookList();
   const std::lock_guard<std::mutex> lock(list.mutex);
   TickHook* hook = findHook(list, &world);
@@ -51,12 +51,12 @@ TickHook& TickHook::listen(btDynamicsWorld& world, TickListener& listener, bool 
   auto& listeners = hook->listeners_;
   const auto isUsed = [](const Entry& entry) { return entry.listener; };
   const auto usesSlot = [](const Entry& entry) { return entry.listener && entry.pretick; };
-  if (std::none_of(listeners.begin(), listeners.end(), isUsed)) {
-    // an unused hook may still be one of the world's actions, or belong to a world that was deleted
+  if (!known || std::none_of(listeners.begin(), listeners.end(), isUsed)) {
+    // the hook may still be one of the world's actions, or belong to a world that was deleted
     world.removeAction(hook);
     world.addAction(hook);
   }
-  if (pretick && std::none_of(listeners.begin(), listeners.end(), usesSlot)) hook->takeSlot();
+  if (pretick && (!known || std::none_of(listeners.begin(), listeners.end(), usesSlot))) hook->takeSlot();
   listeners.push_back({&listener, pretick});
   return *hook;
 }

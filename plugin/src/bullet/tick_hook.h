@@ -52,8 +52,9 @@ class TickListener {
 class TickHook final : public btActionInterface {
  public:
   /// Adds a listener to the world's hook, which is installed if necessary. If `pretick` is false the slot is
-  /// not used: the listener is called only at the end of ticks.
-  static TickHook& listen(btDynamicsWorld& world, TickListener& listener, bool pretick);
+  /// not used: the listener is called only at the end of ticks. `known`: the world is that of the earlier
+  /// listeners, and not one at the address of their deleted world.
+  static TickHook& listen(btDynamicsWorld& world, TickListener& listener, bool pretick, bool known);
 
   /// Removes a listener. Removal of the last one restores the world. `worldAlive` is whether the world may be
   /// accessed.
