@@ -239,6 +239,16 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
   return outward.dot(normalAt(surface, time, first) + normalAt(surface, time, second)) > 0.0;
 }
 
+bool isFlatAlong(const MovingSurface& surface, std::uint32_t edge, const Vector3d& normal) {
+  constexpr double kPressedFold = 0.25 * kFlatFold, kSine = 0.1;
+  const SurfaceTopology& t = *surface.topology;
+  const auto [first, second] = t.edgeTriangles[edge];
+  if (first == kNoFeature || second == kNoFeature) return false;
+  const Vector3d in0 = inwardFrom(surface, 0.0, edge, first), in1 = inwardFrom(surface, 0.0, edge, second);
+  return (in0 + in1).squaredNorm() < kPressedFold * kPressedFold && std::abs(normal.dot(in0)) < kSine &&
+         (restNormal(t, first) - restNormal(t, second)).squaredNorm() < kFlatFold * kFlatFold;
+}
+
 bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward,
                   double cosine) {
   const SurfaceTopology& t = *surface.topology;
