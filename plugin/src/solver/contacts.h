@@ -183,8 +183,11 @@ struct alignas(64) ContactConstraint : ContactTarget {
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   std::uint32_t beside = kNoRow;  ///< another row of the same point, both with static or kinematic objects
   Couple couple;
-  double gap;                    ///< m
-  double closing = 0.0;          ///< m, by which turning features have closed it in the last substep
+  bool ofPoint, rigidA, restitutes;  ///< see isOfPoint(); side a is a rigid body; has a restitution
+  double gap;                        ///< m
+  double recoverySpeed;              ///< m/s, see ContactBase
+  double workFactor;                 ///< see kRecoveryWork (contact_row.h); 0: its work is not limited
+  double closing = 0.0;              ///< m, by which turning features have closed it in the last substep
   double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
   double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
   double lastVelocity[3];        ///< m/s, of side a relative to b at the end of the last substep; of contacts
@@ -198,7 +201,6 @@ struct alignas(64) ContactConstraint : ContactTarget {
   double maxFriction;            ///< N s, radius of the friction cone
   double minFrictionChange;      ///< share of maxFriction, see kMinFrictionChange (contact_row.h)
   bool aligned;  ///< its impulses act along one line at the present positions, see alignContactPoints()
-  bool active;   ///< takes part in the sweeps: has an impulse, or would be violated without one
   ContactVector positionImpulse, velocityImpulse,
       impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
   ContactVector before, change, direction;  ///< N s, scratch of the solver
@@ -230,6 +232,13 @@ struct RowNodes {
   std::uint32_t begin, end;  ///< in IslandConstraints::nodeOf, of the row's points
   bool isLeftOut;            ///< by the last sweep; the row's change and direction are 0
   bool isSupported;          ///< see IslandConstraints::supportOf
+  bool isActive;             ///< takes part in the sweeps: has an impulse, or would be violated without one
+};
+
+/// What a row's impulse along the normal does by a point to the contact that supports the point.
+struct SupportedPoint {
+  double ratio;     ///< impulse that is passed on per impulse of the row
+  double mobility;  ///< 1/kg, speed of the row per impulse of the row that is passed on
 };
 
 /// A point mass or rigid body that contacts change.
@@ -242,6 +251,7 @@ struct ConstraintNode {
 /// Consecutive rows that one thread sweeps, see IslandConstraints::sets.
 struct alignas(64) RowSet {
   std::uint32_t begin = 0, end = 0;
+  Range following;                                ///< in IslandConstraints::following
   std::uint32_t activeCount = 0, sweptCount = 0;  ///< in `active` and `swept`, from `begin` on
   SweepChange change;                             ///< of the last sweep
 };
@@ -260,13 +270,15 @@ struct IslandConstraints {
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<std::uint32_t> nodeOf;  ///< #points
   std::vector<ConstraintNode> nodes;
-  std::vector<std::uint32_t> supportOf;  ///< #points: the row by which the point lies on a static or
-                                         ///< kinematic object, opposite to its own row; kNoSupport: none
+  std::vector<std::uint32_t> supportOf;   ///< #points: the row by which the point lies on a static or
+                                          ///< kinematic object, opposite to its own row; kNoSupport: none
+  std::vector<SupportedPoint> supported;  ///< #points: of those in `supportOf` of active rows
   std::vector<ConstraintRotation> rotations;
-  std::vector<RowSet> sets;           ///< small islands have one
-  std::vector<Range> phases;          ///< of `sets`; the sets of a phase have no body in common
-  std::vector<std::uint32_t> active;  ///< #rows, by sets: rows in the sweeps of the present stage
-  std::vector<std::uint32_t> swept;   ///< likewise: those of them in the present sweep
+  std::vector<RowSet> sets;              ///< small islands have one
+  std::vector<Range> phases;             ///< of `sets`; the sets of a phase have no body in common
+  std::vector<std::uint32_t> active;     ///< #rows, by sets: rows in the sweeps of the present stage
+  std::vector<std::uint32_t> swept;      ///< likewise: those of them in the present sweep
+  std::vector<std::uint32_t> following;  ///< by sets: rows that followContacts() updates
   std::vector<int> changedIn;  ///< #soft bodies, then #rigid bodies: the last sweep that changed a node of it
   std::vector<std::uint32_t> weights, slabs, byPlace;  ///< likewise, scratch of divideRows()
   std::vector<std::pair<const double*, std::uint32_t>>
@@ -277,6 +289,7 @@ struct IslandConstraints {
       scaledMasses;            ///< 1/kg, inverse masses of points in contacts with a massFactor
   double time = 0.0;           ///< s, since the tick's start, of the present substep's middle
   bool turns = false;          ///< a contact has an acceleration
+  bool restitutes = false;     ///< a contact has a restitution
   bool pressed = false;        ///< static or kinematic objects press rigid bodies
   double squaredMotion = 0.0;  ///< m^2/s^2, mean square of the island's velocities, see kRecoveryWork
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps; see
