@@ -120,6 +120,13 @@ inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const 
   row.impulse += j;
 }
 
+/// The same for an impulse along the normal of a contact of a point, see isOfPoint().
+inline void applyNormalImpulse(IslandConstraints& rows, ContactConstraint& row, double j) {
+  const ConstraintPoint& p = rows.points[row.firstPoint];
+  for (int k = 0; k < 3; ++k) p.velocity[k] += p.response[k] * (row.axes[0][k] * j);
+  row.impulse.n += j;
+}
+
 // --- before a solve ----------------------------------------------------------------------------------------
 
 /// Softness of contacts (a proximal term): a contact yields to the change of its impulse since the last

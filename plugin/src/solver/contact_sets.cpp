@@ -187,7 +187,7 @@ void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies) {
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const RowBodies of = bodiesOf(contactOf(rows, i), bodies);
     rows.rowNodes.push_back(
-        {of.a, of.b, rows.rows[i].firstPoint, rows.rows[i].endPoint, false, false, false});
+        {of.a, of.b, rows.rows[i].firstPoint, rows.rows[i].endPoint, false, false, false, false});
   }
   findSupports(rows);
   rows.changedIn.resize(bodies.points.size() + bodies.rigids.size());

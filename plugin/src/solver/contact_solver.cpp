@@ -141,8 +141,12 @@ struct Solve {
     return found;
   }
 
-  /// Sets `supported` of a row's points. Neither its axes nor those of its supports change in a solve.
-  void setSupported(const ContactConstraint& row) const {
+  /// Sets `supported` of a row's points. They change with the row's contact points, and with its axes and
+  /// those of its supports, which none but following rows have.
+  void setSupported(std::uint32_t i) const {
+    RowNodes& of = rows.rowNodes[i];
+    if (std::exchange(of.knowsSupports, rows.following.empty())) return;
+    const ContactConstraint& row = rows.rows[i];
     for (std::uint32_t p = row.firstPoint; p < row.endPoint; ++p) {
       if (rows.supportOf[p] == ConstraintNode::kNoSupport) continue;
       const ContactConstraint& support = rows.rows[rows.supportOf[p]];
@@ -163,7 +167,7 @@ struct Solve {
     for (std::size_t k = 0; k < supports.count; ++k) {
       ContactConstraint& support = rows.rows[supports.rows[k]];
       const double added = supports.ratios[k] * change;
-      applyImpulse(rows, support, {added, 0.0, 0.0});
+      applyNormalImpulse(rows, support, added);
       impulse(support).n += added;
     }
   }
@@ -220,7 +224,7 @@ struct Solve {
     alignContactPoints(rows, i);
     ContactConstraint& row = rows.rows[i];
     rows.rowNodes[i].isActive = true;
-    if (rows.rowNodes[i].isSupported) setSupported(row);
+    if (rows.rowNodes[i].isSupported) setSupported(i);
     row.maxFriction = 0.0;
     row.minFrictionChange = kMinFrictionChange;
     row.direction = ContactVector();

@@ -175,35 +175,39 @@ struct Mobility {
 /// The side that balances the couple of tangential impulses at two points that are apart along the normal.
 enum class Couple : std::uint8_t { None, Soft, Rigid };
 
-/// A contact in the form that the sweeps use. Threads that sweep neighbouring rows share no cache line.
+/// A contact in the form that the sweeps use. What a sweep needs of the contacts that support others comes
+/// first. Threads that sweep neighbouring rows share no cache line.
 struct alignas(64) ContactConstraint : ContactTarget {
   static constexpr std::uint32_t kNoRow = static_cast<std::uint32_t>(-1);
-  double axes[3][3];            ///< the normal and two tangents
-  ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   std::uint32_t beside = kNoRow;  ///< another row of the same point, both with static or kinematic objects
   Couple couple;
   bool ofPoint, rigidA, restitutes;  ///< see isOfPoint(); side a is a rigid body; has a restitution
-  double gap;                        ///< m
-  double recoverySpeed;              ///< m/s, see ContactBase
-  double workFactor;                 ///< see kRecoveryWork (contact_row.h); 0: its work is not limited
-  double closing = 0.0;              ///< m, by which turning features have closed it in the last substep
-  double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
-  double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
-  double lastVelocity[3];        ///< m/s, of side a relative to b at the end of the last substep; of contacts
-                                 ///< with restitution
-  double softness;               ///< see kSoftness (contact_row.h)
-  double mass, mobility;         ///< kg along the normal, and its inverse; both 0: neither side can be moved
-  double acrossSoftness;         ///< 1/kg, speed per change of friction since the last substep
-  double acrossMass[3];          ///< kg between the tangents, softness included: uu, uv, vv
-  double acrossAlong[2];         ///< 1/kg, tangential speeds per normal impulse
-  double slidingMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
-  double maxFriction;            ///< N s, radius of the friction cone
-  double minFrictionChange;      ///< share of maxFriction, see kMinFrictionChange (contact_row.h)
-  bool aligned;  ///< its impulses act along one line at the present positions, see alignContactPoints()
+  bool aligned;       ///< its impulses act along one line at the present positions, see alignContactPoints()
+  double axes[3][3];  ///< the normal and two tangents
+  ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
+  double mass, mobility;        ///< kg along the normal, and its inverse; both 0: neither side can be moved
   ContactVector positionImpulse, velocityImpulse,
-      impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
-  ContactVector before, change, direction;  ///< N s, scratch of the solver
+      impulse;               ///< N s, see Contact; `impulse` counts since the last change of the normal
+  ContactVector before;      ///< N s, scratch of the solver
+  double gap;                ///< m
+  double softness;           ///< see kSoftness (contact_row.h)
+  double maxWork;            ///< J, limits the removal of an overlap in a substep, or:
+  double freeSpeed;          ///< m/s
+  double acrossSoftness;     ///< 1/kg, speed per change of friction since the last substep
+  double acrossMass[3];      ///< kg between the tangents, softness included: uu, uv, vv
+  double acrossAlong[2];     ///< 1/kg, tangential speeds per normal impulse
+  double slidingMass;        ///< kg, smallest eigenvalue of acrossMass
+  double friction;           ///< coefficient
+  double maxFriction;        ///< N s, radius of the friction cone
+  double minFrictionChange;  ///< share of maxFriction, see kMinFrictionChange (contact_row.h)
+  ContactVector change, direction;  ///< N s, scratch of the solver
+  double closing = 0.0;             ///< m, by which turning features have closed it in the last substep
+  double recoverySpeed;             ///< m/s, see ContactBase
+  double workFactor;                ///< see kRecoveryWork (contact_row.h); 0: its work is not limited
+  double pinned;                    ///< m, part of an overlap due to pinned points, not included in the gap
+  double lastVelocity[3];  ///< m/s, of side a relative to b at the end of the last substep; of contacts
+                           ///< with restitution
 };
 
 /// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.
@@ -232,6 +236,7 @@ struct RowNodes {
   std::uint32_t begin, end;  ///< in IslandConstraints::nodeOf, of the row's points
   bool isLeftOut;            ///< by the last sweep; the row's change and direction are 0
   bool isSupported;          ///< see IslandConstraints::supportOf
+  bool knowsSupports;        ///< IslandConstraints::supported is known for its points
   bool isActive;             ///< takes part in the sweeps: has an impulse, or would be violated without one
 };
 
@@ -272,7 +277,7 @@ struct IslandConstraints {
   std::vector<ConstraintNode> nodes;
   std::vector<std::uint32_t> supportOf;   ///< #points: the row by which the point lies on a static or
                                           ///< kinematic object, opposite to its own row; kNoSupport: none
-  std::vector<SupportedPoint> supported;  ///< #points: of those in `supportOf` of active rows
+  std::vector<SupportedPoint> supported;  ///< #points: of those in `supportOf`, see RowNodes::knowsSupports
   std::vector<ConstraintRotation> rotations;
   std::vector<RowSet> sets;              ///< small islands have one
   std::vector<Range> phases;             ///< of `sets`; the sets of a phase have no body in common
