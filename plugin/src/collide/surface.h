@@ -181,7 +181,7 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
                     const Eigen::Vector3d& outward, const ConeTolerance& tolerance);
 
 /// Whether the edge is between two triangles, perpendicular to `normal`, that are in one plane: at rest, and
-/// much more nearly at the start of the tick.
+/// much more nearly at the start and the expected end of the tick.
 bool isFlatAlong(const MovingSurface& surface, std::uint32_t edge, const Eigen::Vector3d& normal);
 
 /// Cosine between a direction and the normal above which a triangle faces it. Triangles perpendicular to a
