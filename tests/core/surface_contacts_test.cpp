@@ -222,6 +222,30 @@ TEST(SurfaceContacts, anEdgePressedFlatStaysInContact) {
   EXPECT_TRUE(contactsAt(-0.02, bearing).empty()) << "the face is concave";
 }
 
+/// A cloth on a face, whose diagonals cross: the contact of these lasts while it bears, until the face is
+/// flat, too. Then the corners carry.
+TEST(SurfaceContacts, edgesOfFlatFacesThatLieOnEachOtherHaveNone) {
+  const auto edgesAt = [](double height, const std::vector<std::uint64_t>& bearing) {
+    MovingShape upper = test::clothShape(1, 0.6, kRadius), lower = cube();
+    upper.move(Translation3d(0.02, 0.5 + 2.0 * kRadius + height, 0.01) *
+               Affine3d(AngleAxisd(0.3, Vector3d::UnitY())));
+    for (const Eigen::Index end : {2, 7}) lower.position(1, end) += height;  // of the diagonal
+    auto found = test::contactsOf(upper, lower, kMargin, bearing);
+    expectValid(found, upper, lower);
+    std::vector<std::uint64_t> keys;
+    for (const SurfaceContact& c : found) {
+      if (c.a.kind != FeatureKind::OnEdge || c.b.kind != FeatureKind::OnEdge) continue;
+      const Vector3d along = upper.position.col(c.a.points[0]) - upper.position.col(c.a.points[1]);
+      if (along.norm() > 0.7) keys.push_back(c.key);  // a diagonal, not one of the rim's edges
+    }
+    return keys;
+  };
+  const std::vector<std::uint64_t> raised = edgesAt(0.01, {});
+  ASSERT_FALSE(raised.empty());
+  EXPECT_EQ(edgesAt(0.003, raised), raised) << "one of the faces is not flat";
+  for (const double height : {2e-4, 0.0, -2e-4}) EXPECT_TRUE(edgesAt(height, raised).empty()) << height;
+}
+
 /// Two edges that a load has pushed through each other, farther than the margin between their boxes, which
 /// have no height where the edges are along world axes.
 TEST(SurfaceContacts, edgesUnderLoadAreFoundInAnyDirection) {

@@ -271,6 +271,8 @@ struct Island {
   std::vector<IslandPair> candidates;
   std::vector<LateContact> late;                                     ///< of the last step.pairs.contacts
   std::vector<std::pair<std::uint64_t, std::uint32_t>> oldContacts;  ///< scratch: of one pair, sorted by key
+  std::vector<std::pair<std::uint64_t, std::uint32_t>>
+      endedContacts;                    ///< scratch: indices of those that have ended, sorted by their points
   std::vector<SurfaceMotion> motions;   ///< #softBodies, scratch of a search in the step
   std::vector<std::uint32_t> searched;  ///< numbers of the candidates that it searches
   std::vector<std::uint32_t> moved;     ///< numbers of their soft bodies

@@ -55,11 +55,30 @@ Contact* oldContact(Island& island, std::uint64_t key) {
   return found ? &island.step.pairs.contacts[it->second] : nullptr;
 }
 
+/// Returns a number by which contacts are sorted: equal for contacts with the same points of side a.
+std::uint64_t numberOfPoints(const Contact& contact) {
+  const auto& [first, second, third] = contact.a.point;
+  return (std::uint64_t{first} << 42) ^ (std::uint64_t{second} << 21) ^ third ^
+         (std::uint64_t{contact.a.count} << 62);
+}
+
+/// Sorts the old contacts that have ended by their points, and within these by their keys.
+void sortEndedContacts(Island& island) {
+  island.endedContacts.clear();
+  for (std::uint32_t i = 0; i < island.oldContacts.size(); ++i)
+    if (const Contact& old = island.step.pairs.contacts[island.oldContacts[i].second]; old.ended)
+      island.endedContacts.emplace_back(numberOfPoints(old), i);
+  std::sort(island.endedContacts.begin(), island.endedContacts.end());
+}
+
 /// Returns an ended contact of the same points in the same direction, or nullptr: one that has moved from one
 /// triangle of a face to the next.
 Contact* endedContact(Island& island, const Contact& contact) {
-  for (const auto& [key, i] : island.oldContacts) {
-    Contact& old = island.step.pairs.contacts[i];
+  const std::uint64_t number = numberOfPoints(contact);
+  for (auto it = std::lower_bound(island.endedContacts.begin(), island.endedContacts.end(),
+                                  std::pair(number, std::uint32_t{0}));
+       it != island.endedContacts.end() && it->first == number; ++it) {
+    Contact& old = island.step.pairs.contacts[island.oldContacts[it->second].second];
     if (old.ended && old.a.count == contact.a.count && old.a.point == contact.a.point &&
         old.normal.dot(contact.normal) > kSameSurface)
       return &old;
@@ -91,6 +110,7 @@ void storeFound(Island& island, std::uint32_t number, const TickContacts& found,
     else
       newOnes.push_back(i);
   }
+  if (!newOnes.empty()) sortEndedContacts(island);
   for (const std::uint32_t i : newOnes) {
     if (Contact* old = endedContact(island, inStep.contacts[i])) {
       renew(*old, inStep.contacts[i]);

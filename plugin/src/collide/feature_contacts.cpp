@@ -508,6 +508,7 @@ void collideEdges(const SurfacePair& pair, const NearEdge& edgeA, const NearEdge
   if (areParallel(alongA, alongB)) return;
   Vector3d normal = alongA.cross(alongB).normalized();
   if (normal.dot(directionBetween(nearest, a, b)) < 0.0) normal = -normal;
+  if (bears && areFlatEdges(pair.a, ea, pair.b, eb, normal)) return;
   const Crossing crossing{pair, ea, eb, nearest.time, bears};
   const bool apart = areInFront(crossing, normal);
   if (apart ? deep : !havePassedThrough(crossing, nearest, normal)) return;

@@ -115,6 +115,13 @@ void collideVertices(const SurfacePair& pair, const NearVertex& a, const NearVer
 void collideVertexEdge(const SurfacePair& pair, bool ofB, const NearVertex& vertex, const NearEdge& edge,
                        ContactSearch& search);
 
+/// Whether a and b are flat around their edges, which cross with this normal: then the vertices of both keep
+/// the edges apart.
+inline bool areFlatEdges(const MovingSurface& a, std::uint32_t edgeA, const MovingSurface& b,
+                         std::uint32_t edgeB, const Eigen::Vector3d& normal) {
+  return isFlatAlong(a, edgeA, normal) && isFlatAlong(b, edgeB, normal);
+}
+
 /// Tests an edge of a with an edge of b that crosses it. Edges of solid bodies may have passed through each
 /// other by less than the depth limit of their triangles. `bears`: they have borne a load in the last tick.
 void collideEdges(const SurfacePair& pair, const NearEdge& a, const NearEdge& b, bool bears,

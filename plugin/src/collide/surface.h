@@ -180,6 +180,10 @@ Eigen::Vector3d normalAt(const MovingSurface& surface, double time, std::uint32_
 bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edge,
                     const Eigen::Vector3d& outward, const ConeTolerance& tolerance);
 
+/// Whether the edge is between two triangles, perpendicular to `normal`, that are in one plane: at rest, and
+/// much more nearly at the start and the expected end of the tick.
+bool isFlatAlong(const MovingSurface& surface, std::uint32_t edge, const Eigen::Vector3d& normal);
+
 /// Cosine between a direction and the normal above which a triangle faces it. Triangles perpendicular to a
 /// flat face do not.
 constexpr double kFacing = 0.02;

@@ -558,12 +558,22 @@ bool moveTo(double time, const MovingSurface& a, const MovingSurface& b, double 
 
 }  // namespace
 
+namespace {
+
+/// Whether the contact is one of edges that a search would leave out.
+bool hasFlatEdges(const MovingSurface& a, const MovingSurface& b, const SurfaceContact& c) {
+  return c.a.kind == FeatureKind::OnEdge && c.b.kind == FeatureKind::OnEdge &&
+         areFlatEdges(a, c.a.feature, b, c.b.feature, c.normal);
+}
+
+}  // namespace
+
 bool refreshContacts(const MovingSurface& a, const MovingSurface& b, double margin, ContactCache& cache) {
   if (cache.topologyA != a.topology || cache.topologyB != b.topology) return false;
   if (cache.a.cols() != a.position->cols() || cache.b.cols() != b.position->cols()) return false;
   if (!areNearlyUnmoved(a, b, margin, cache)) return false;
   for (SurfaceContact& c : cache.contacts)
-    if (!moveTo(0.0, a, b, kSameNormal, c)) return false;
+    if (!moveTo(0.0, a, b, kSameNormal, c) || hasFlatEdges(a, b, c)) return false;
   return true;
 }
 

@@ -239,6 +239,20 @@ bool isInNormalCone(const MovingSurface& surface, double time, std::uint32_t edg
   return outward.dot(normalAt(surface, time, first) + normalAt(surface, time, second)) > 0.0;
 }
 
+bool isFlatAlong(const MovingSurface& surface, std::uint32_t edge, const Vector3d& normal) {
+  constexpr double kPressedFold = 0.05 * kFlatFold, kSine = 0.1;
+  const SurfaceTopology& t = *surface.topology;
+  const auto [first, second] = t.edgeTriangles[edge];
+  if (first == kNoFeature || second == kNoFeature) return false;
+  for (const double time : {0.0, 1.0}) {
+    const Vector3d in0 = inwardFrom(surface, time, edge, first),
+                   in1 = inwardFrom(surface, time, edge, second);
+    if ((in0 + in1).squaredNorm() >= kPressedFold * kPressedFold || std::abs(normal.dot(in0)) >= kSine)
+      return false;
+  }
+  return (restNormal(t, first) - restNormal(t, second)).squaredNorm() < kFlatFold * kFlatFold;
+}
+
 bool facesOutward(const MovingSurface& surface, double time, std::uint32_t vertex, const Vector3d& outward,
                   double cosine) {
   const SurfaceTopology& t = *surface.topology;

@@ -182,6 +182,7 @@ void alignContactPoints(IslandConstraints& rows, std::size_t index) {
   ContactConstraint& row = rows.rows[index];
   if (row.aligned) return;
   row.aligned = true;
+  rows.rowNodes[index].knowsSupports = false;
   if (row.couple == Couple::Soft)
     alignSoft(rows, row);
   else

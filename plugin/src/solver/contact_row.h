@@ -120,6 +120,13 @@ inline void applyImpulse(IslandConstraints& rows, ContactConstraint& row, const 
   row.impulse += j;
 }
 
+/// The same for an impulse along the normal of a contact of a point, see isOfPoint().
+inline void applyNormalImpulse(IslandConstraints& rows, ContactConstraint& row, double j) {
+  const ConstraintPoint& p = rows.points[row.firstPoint];
+  for (int k = 0; k < 3; ++k) p.velocity[k] += p.response[k] * (row.axes[0][k] * j);
+  row.impulse.n += j;
+}
+
 // --- before a solve ----------------------------------------------------------------------------------------
 
 /// Softness of contacts (a proximal term): a contact yields to the change of its impulse since the last
@@ -146,17 +153,20 @@ constexpr double kRecoveryWork = 2.4, kSmallRecoveryWork = 0.3;
 /// else not remove the small overlaps that every solve leaves, and a ball on a cloth would not come to rest.
 constexpr double kFreeRecovery = 0.01;
 
-/// Returns the largest work (J) of a contact in a substep of `share` of the tick that removes an overlap.
-/// There is no limit where nothing soft or anchored yields, nor for contacts that separate two bodies along
-/// one direction.
-inline double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, const ContactConstraint& row,
-                              bool anchored, double share) {
-  if (!(row.target > 0.0) || isOfPoint(c) || c.separates) return HUGE_VAL;
+/// Returns the factor of the largest work of a contact; 0: there is no limit where nothing soft or anchored
+/// yields, nor for contacts that separate two bodies along one direction.
+inline double recoveryWorkFactor(const Contact& c, bool anchored) {
   constexpr auto kSoft = ContactPoint::Kind::Soft;
-  if (!anchored && c.a.kind != kSoft && c.b.kind != kSoft) return HUGE_VAL;
-  const double squaredSpeed = std::max(c.recoverySpeed * c.recoverySpeed, rows.squaredMotion);
-  const bool small = anchored || (c.a.kind == kSoft && c.b.kind == kSoft);
-  const double work = (small ? kSmallRecoveryWork : kRecoveryWork) * share * row.mass * squaredSpeed;
+  if (isOfPoint(c) || c.separates) return 0.0;
+  if (!anchored && c.a.kind != kSoft && c.b.kind != kSoft) return 0.0;
+  return anchored || (c.a.kind == kSoft && c.b.kind == kSoft) ? kSmallRecoveryWork : kRecoveryWork;
+}
+
+/// Returns the largest work (J) of a contact in a substep of `share` of the tick that removes an overlap.
+inline double maxRecoveryWork(const IslandConstraints& rows, const ContactConstraint& row, double share) {
+  if (!(row.target > 0.0) || row.workFactor == 0.0) return HUGE_VAL;
+  const double squaredSpeed = std::max(row.recoverySpeed * row.recoverySpeed, rows.squaredMotion);
+  const double work = row.workFactor * share * row.mass * squaredSpeed;
   const double load = share * row.mass * std::sqrt(squaredSpeed), impulse = row.positionImpulse.n;
   return impulse > load ? work * load / impulse : work;
 }
@@ -164,10 +174,9 @@ inline double maxRecoveryWork(const IslandConstraints& rows, const Contact& c, c
 /// Returns the speed (m/s) by which the row yields to its impulse of the last substep, for ever: a light body
 /// between a heavy one and the floor sinks with it, until an overlap is removed as fast. A rigid body does so
 /// no faster than its overlaps are removed: those that nothing can remove must not press ever harder.
-inline double yieldOf(const Contact& c, const ContactConstraint& row) {
+inline double yieldOf(const ContactConstraint& row) {
   const double yield = row.softness * (1.0 - kKept) * row.positionImpulse.n * row.mobility;
-  const bool isRigid = c.a.kind == ContactPoint::Kind::Rigid;
-  return isRigid ? std::min(yield, c.recoverySpeed) : yield;
+  return row.rigidA ? std::min(yield, row.recoverySpeed) : yield;
 }
 
 /// Least cosine of the angle between opposite impulses, negated.
@@ -182,15 +191,16 @@ inline bool isPinched(const IslandConstraints& rows, const ContactConstraint& ro
 }
 
 /// Sets the target speed of the contact before a drift of dt seconds. A bounce has no softness.
-inline void setTarget(const IslandConstraints& rows, const Contact& c, ContactConstraint& row, bool anchored,
-                      double dt, double tick) {
-  row.softness = isOfPoint(c) && !isPinched(rows, row) ? 0.0 : kSoftness;
+inline void setTarget(IslandConstraints& rows, std::size_t i, double dt, double tick) {
+  ContactConstraint& row = rows.rows[i];
+  row.softness = row.ofPoint && !isPinched(rows, row) ? 0.0 : kSoftness;
   const double closing = std::exchange(row.closing, 0.0) / dt;
-  row.target = minSpeed(row.gap, c.recoverySpeed + yieldOf(c, row) + closing, dt);
-  row.freeSpeed = kFreeRecovery * c.recoverySpeed + closing;
-  row.maxWork = maxRecoveryWork(rows, c, row, anchored, dt / tick);
+  row.target = minSpeed(row.gap, row.recoverySpeed + yieldOf(row) + closing, dt);
+  row.freeSpeed = kFreeRecovery * row.recoverySpeed + closing;
+  row.maxWork = maxRecoveryWork(rows, row, dt / tick);
   row.bounces = false;
-  if (!(c.restitution > 0.0)) return;
+  if (!row.restitutes) return;
+  const Contact& c = contactOf(rows, i);
   const double approach = -speedAlong(rows, row);
   const double before = -along(row.axes[0], {row.lastVelocity[0], row.lastVelocity[1], row.lastVelocity[2]});
   addBounce(row, c, row.gap, approach, before, dt);

@@ -160,6 +160,7 @@ void findSupports(IslandConstraints& rows) {
     other = i;
   }
   rows.supportOf.assign(rows.points.size(), kNone);
+  rows.supported.resize(rows.points.size());
   for (std::uint32_t i = 0; i < rows.rows.size(); ++i) {
     const ContactConstraint& row = rows.rows[i];
     if (contactOf(rows, i).b.kind == ContactPoint::Kind::World) continue;
@@ -185,7 +186,8 @@ void numberNodes(IslandConstraints& rows, const LinkedBodies& bodies) {
   rows.rowNodes.clear();
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const RowBodies of = bodiesOf(contactOf(rows, i), bodies);
-    rows.rowNodes.push_back({of.a, of.b, rows.rows[i].firstPoint, rows.rows[i].endPoint, false, false});
+    rows.rowNodes.push_back(
+        {of.a, of.b, rows.rows[i].firstPoint, rows.rows[i].endPoint, false, false, false, false});
   }
   findSupports(rows);
   rows.changedIn.resize(bodies.points.size() + bodies.rigids.size());

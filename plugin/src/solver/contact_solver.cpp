@@ -110,6 +110,7 @@ struct Solve {
   Team& team;
   Stage stage;
   double dt = 0.0;         ///< s, of the drift after which anchors coincide; 0 for velocities
+  double tick = 0.0;       ///< s, likewise 0
   double tolerance = 0.0;  ///< m/s, of the present sweep
   int count = 0;           ///< number of the present sweep, from 1 on
 
@@ -132,9 +133,23 @@ struct Solve {
     Supports found{row.mobility};
     for (std::uint32_t p = row.firstPoint; p < row.endPoint; ++p) {
       const std::uint32_t i = rows.supportOf[p];
-      if (i == ConstraintNode::kNoSupport || !rows.rows[i].active || !(impulse(rows.rows[i]).n > 0.0))
+      if (i == ConstraintNode::kNoSupport || !rows.rowNodes[i].isActive || !(impulse(rows.rows[i]).n > 0.0))
         continue;
-      const ContactConstraint& support = rows.rows[i];
+      found.mobility += rows.supported[p].mobility;
+      found.rows[found.count] = i, found.ratios[found.count++] = rows.supported[p].ratio;
+    }
+    return found;
+  }
+
+  /// Sets `supported` of a row's points. They change with the row's contact points, and with its axes and
+  /// those of its supports, which none but following rows have.
+  void setSupported(std::uint32_t i) const {
+    RowNodes& of = rows.rowNodes[i];
+    if (std::exchange(of.knowsSupports, rows.following.empty())) return;
+    const ContactConstraint& row = rows.rows[i];
+    for (std::uint32_t p = row.firstPoint; p < row.endPoint; ++p) {
+      if (rows.supportOf[p] == ConstraintNode::kNoSupport) continue;
+      const ContactConstraint& support = rows.rows[rows.supportOf[p]];
       const ConstraintPoint &above = rows.points[p], &below = rows.points[support.firstPoint];
       double ofSupport = 0.0, ofRow = 0.0;
       for (int k = 0; k < 3; ++k) {
@@ -143,10 +158,8 @@ struct Solve {
         ofRow += above.share * below.response[k] * axes;
       }
       const double ratio = -ofSupport * support.mass;
-      found.mobility += ratio * ofRow;
-      found.rows[found.count] = i, found.ratios[found.count++] = ratio;
+      rows.supported[p] = {ratio, ratio * ofRow};
     }
-    return found;
   }
 
   /// Adds to the supports' impulses what keeps their speeds when a row's impulse changes along the normal.
@@ -154,7 +167,7 @@ struct Solve {
     for (std::size_t k = 0; k < supports.count; ++k) {
       ContactConstraint& support = rows.rows[supports.rows[k]];
       const double added = supports.ratios[k] * change;
-      applyImpulse(rows, support, {added, 0.0, 0.0});
+      applyNormalImpulse(rows, support, added);
       impulse(support).n += added;
     }
   }
@@ -210,7 +223,8 @@ struct Solve {
   void activate(RowSet& set, std::uint32_t i) const {
     alignContactPoints(rows, i);
     ContactConstraint& row = rows.rows[i];
-    row.active = true;
+    rows.rowNodes[i].isActive = true;
+    if (rows.rowNodes[i].isSupported) setSupported(i);
     row.maxFriction = 0.0;
     row.minFrictionChange = kMinFrictionChange;
     row.direction = ContactVector();
@@ -220,12 +234,22 @@ struct Solve {
     rows.active[set.begin + set.activeCount++] = i;
   }
 
+  /// Sets the target of a row, before any row has an impulse if there are restitutions.
+  void setTarget(std::size_t i) const {
+    ContactConstraint& row = rows.rows[i];
+    if (stage == Stage::Positions)
+      limber::setTarget(rows, i, dt, tick);
+    else
+      row.target = row.bounces ? row.speedAfter(speedAlong(rows, row)) : 0.0;
+  }
+
   /// Applies the impulse of the last substep as a warm start.
   void start(RowSet& set, std::uint32_t i) const {
+    if (!rows.restitutes) setTarget(i);
     ContactConstraint& row = rows.rows[i];
     ContactVector& sum = impulse(row);
     const bool takesPart = row.mass > 0.0 && (stage == Stage::Positions || row.positionImpulse.n > 0.0);
-    row.active = false;
+    rows.rowNodes[i].isActive = false;
     if (!takesPart || sum.n <= 0.0) sum = ContactVector();
     row.before = sum;
     if (sum.n > 0.0 || (takesPart && stage == Stage::Velocities)) activate(set, i);
@@ -233,6 +257,7 @@ struct Solve {
   }
 
   void start() {
+    if (rows.restitutes) forEachRow(rows, team, [&](std::size_t i) { setTarget(i); });
     for (JointConstraint& j : rows.joints) {
       apply(j, impulse(j));
       j.before = impulse(j);
@@ -261,11 +286,12 @@ struct Solve {
     forEachSet([&](RowSet& set) {
       const std::uint32_t countBefore = set.activeCount;
       for (std::uint32_t i = set.begin; i < set.end; ++i) {
+        if (rows.rowNodes[i].isActive) continue;
         const ContactConstraint& row = rows.rows[i];
-        if (!row.active && row.mass > 0.0 && speedAlong(rows, row) < row.target) activate(set, i);
+        if (row.mass > 0.0 && speedAlong(rows, row) < row.target) activate(set, i);
       }
       const auto first = rows.active.begin() + set.begin;
-      if (set.activeCount > countBefore) std::sort(first, first + set.activeCount);
+      if (countBefore > 0 && set.activeCount > countBefore) std::sort(first, first + set.activeCount);
     });
     return activeCount() > before;
   }
@@ -490,21 +516,15 @@ void holdJoints(IslandConstraints& rows, LinkedBodies& bodies) {
 int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, Team& team, double dt, double tick) {
   if (!startSolve(rows, bodies)) return 0;
   aimAnchors(bodies, dt, tick);
-  const bool anchored = !bodies.anchors.empty();
-  forEachRow(rows, team,
-             [&](std::size_t i) { setTarget(rows, contactOf(rows, i), rows.rows[i], anchored, dt, tick); });
-  return Solve{rows, bodies, team, Stage::Positions, dt}.run();
+  return Solve{rows, bodies, team, Stage::Positions, dt, tick}.run();
 }
 
 int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies, Team& team) {
   if (!startSolve(rows, bodies)) return 0;
-  forEachRow(rows, team, [&](std::size_t i) {
-    ContactConstraint& row = rows.rows[i];
-    row.target = row.bounces ? row.speedAfter(speedAlong(rows, row)) : 0.0;
-  });
   const int sweeps = Solve{rows, bodies, team, Stage::Velocities}.run();
+  if (!rows.restitutes) return sweeps;
   forEachRow(rows, team, [&](std::size_t i) {
-    if (contactOf(rows, i).restitution > 0.0) keepVelocity(rows, rows.rows[i]);
+    if (rows.rows[i].restitutes) keepVelocity(rows, rows.rows[i]);
   });
   return sweeps;
 }

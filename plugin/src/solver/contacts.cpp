@@ -226,6 +226,11 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   if (c.ended) row.mass = row.mobility = 0.0;
   row.couple = coupleOf(c);
   row.gap = c.gap;
+  row.ofPoint = isOfPoint(c);
+  row.rigidA = c.a.kind == ContactPoint::Kind::Rigid;
+  row.restitutes = c.restitution > 0.0;
+  row.recoverySpeed = c.recoverySpeed;
+  row.workFactor = recoveryWorkFactor(c, !bodies.anchors.empty());
   excludePinned(rows, row);
   row.aligned = row.couple == Couple::None;
   row.friction = c.friction;
@@ -442,6 +447,36 @@ void setTangentialMasses(ContactConstraint& row, double uu, double uv, double vv
   row.slidingMass = determinant > 0.0 ? 1.0 / largest : 0.0;
 }
 
+/// Whether followContacts() updates the contact.
+bool follows(const Contact& c) {
+  if (c.ended) return false;
+  return c.held || c.corners.count > 0 || c.spheres > 0.0;
+}
+
+/// Sets `following`.
+void listFollowing(IslandConstraints& rows) {
+  rows.following.clear();
+  for (RowSet& set : rows.sets) {
+    set.following.begin = static_cast<std::uint32_t>(rows.following.size());
+    for (std::uint32_t i = set.begin; i < set.end; ++i)
+      if (follows(contactOf(rows, i))) rows.following.push_back(i);
+    set.following.end = static_cast<std::uint32_t>(rows.following.size());
+  }
+}
+
+/// Updates a contact of `following`.
+void follow(IslandConstraints& rows, std::size_t i, const LinkedBodies& bodies, double dt) {
+  const Contact& c = contactOf(rows, i);
+  if (c.held)
+    followPlane(rows, i);
+  else if (c.corners.count > 0)
+    followCorners(rows, i);
+  else if (c.b.kind == ContactPoint::Kind::Rigid)
+    followBall(rows, i, bodies);
+  else
+    followSpheres(rows, i, dt);
+}
+
 }  // namespace
 
 double sagging(const std::array<Vector3d, 3>& corners, const double* weights, const RoundSupport& support) {
@@ -476,8 +511,10 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   divideRows(rows, bodies);
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
     prepareRow(rows, rows.rows[i], contactOf(rows, i), bodies);
-  for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    if (contactOf(rows, i).restitution > 0.0) keepVelocity(rows, rows.rows[i]);
+  rows.restitutes = false;
+  for (ContactConstraint& row : rows.rows)
+    if (row.restitutes) rows.restitutes = true, keepVelocity(rows, row);
+  listFollowing(rows);
   numberNodes(rows, bodies);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
   rows.pressed = std::any_of(rows.contacts.begin(), rows.contacts.end(), [](const Contact& c) {
@@ -521,19 +558,13 @@ Eigen::Vector3d offsetWhenNearest(const Vector3d& offset, const Vector3d& veloci
 }
 
 void followContacts(IslandConstraints& rows, const LinkedBodies& bodies, Team& team, double dt) {
-  forEachRow(rows, team, [&](std::size_t i) {
-    const Contact& c = contactOf(rows, i);
-    // a bounce ends along the normal along which it began: by then the point has left the surface
-    const bool isBouncing = dt == 0.0 && rows.rows[i].bounces;
-    if (c.ended || isBouncing) return;
-    if (c.held)
-      followPlane(rows, i);
-    else if (c.corners.count > 0)
-      followCorners(rows, i);
-    else if (c.spheres > 0.0 && c.b.kind == ContactPoint::Kind::Rigid)
-      followBall(rows, i, bodies);
-    else if (c.spheres > 0.0)
-      followSpheres(rows, i, dt);
+  if (rows.following.empty()) return;
+  forEachSet(rows, team, [&](const RowSet& set) {
+    for (std::uint32_t k = set.following.begin; k < set.following.end; ++k) {
+      // a bounce ends along the normal along which it began: by then the point has left the surface
+      const bool isBouncing = dt == 0.0 && rows.rows[rows.following[k]].bounces;
+      if (!isBouncing) follow(rows, rows.following[k], bodies, dt);
+    }
   });
 }
 

@@ -175,33 +175,39 @@ struct Mobility {
 /// The side that balances the couple of tangential impulses at two points that are apart along the normal.
 enum class Couple : std::uint8_t { None, Soft, Rigid };
 
-/// A contact in the form that the sweeps use. Threads that sweep neighbouring rows share no cache line.
+/// A contact in the form that the sweeps use. What a sweep needs of the contacts that support others comes
+/// first. Threads that sweep neighbouring rows share no cache line.
 struct alignas(64) ContactConstraint : ContactTarget {
   static constexpr std::uint32_t kNoRow = static_cast<std::uint32_t>(-1);
-  double axes[3][3];            ///< the normal and two tangents
-  ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
   std::uint32_t firstPoint, firstOfB, endPoint, firstRotation, endRotation;
   std::uint32_t beside = kNoRow;  ///< another row of the same point, both with static or kinematic objects
   Couple couple;
-  double gap;                    ///< m
-  double closing = 0.0;          ///< m, by which turning features have closed it in the last substep
-  double maxWork, freeSpeed;     ///< J and m/s, limits of the removal of an overlap in a substep: one of them
-  double pinned;                 ///< m, part of an overlap due to pinned points, not included in the gap
-  double lastVelocity[3];        ///< m/s, of side a relative to b at the end of the last substep; of contacts
-                                 ///< with restitution
-  double softness;               ///< see kSoftness (contact_row.h)
-  double mass, mobility;         ///< kg along the normal, and its inverse; both 0: neither side can be moved
-  double acrossSoftness;         ///< 1/kg, speed per change of friction since the last substep
-  double acrossMass[3];          ///< kg between the tangents, softness included: uu, uv, vv
-  double acrossAlong[2];         ///< 1/kg, tangential speeds per normal impulse
-  double slidingMass, friction;  ///< kg, smallest eigenvalue of acrossMass; coefficient
-  double maxFriction;            ///< N s, radius of the friction cone
-  double minFrictionChange;      ///< share of maxFriction, see kMinFrictionChange (contact_row.h)
-  bool aligned;  ///< its impulses act along one line at the present positions, see alignContactPoints()
-  bool active;   ///< takes part in the sweeps: has an impulse, or would be violated without one
+  bool ofPoint, rigidA, restitutes;  ///< see isOfPoint(); side a is a rigid body; has a restitution
+  bool aligned;       ///< its impulses act along one line at the present positions, see alignContactPoints()
+  double axes[3][3];  ///< the normal and two tangents
+  ContactVector surfaceSpeeds;  ///< m/s, part of the relative velocity due to kinematic objects
+  double mass, mobility;        ///< kg along the normal, and its inverse; both 0: neither side can be moved
   ContactVector positionImpulse, velocityImpulse,
-      impulse;  ///< N s, see Contact; `impulse` counts since the last change of the normal
-  ContactVector before, change, direction;  ///< N s, scratch of the solver
+      impulse;               ///< N s, see Contact; `impulse` counts since the last change of the normal
+  ContactVector before;      ///< N s, scratch of the solver
+  double gap;                ///< m
+  double softness;           ///< see kSoftness (contact_row.h)
+  double maxWork;            ///< J, limits the removal of an overlap in a substep, or:
+  double freeSpeed;          ///< m/s
+  double acrossSoftness;     ///< 1/kg, speed per change of friction since the last substep
+  double acrossMass[3];      ///< kg between the tangents, softness included: uu, uv, vv
+  double acrossAlong[2];     ///< 1/kg, tangential speeds per normal impulse
+  double slidingMass;        ///< kg, smallest eigenvalue of acrossMass
+  double friction;           ///< coefficient
+  double maxFriction;        ///< N s, radius of the friction cone
+  double minFrictionChange;  ///< share of maxFriction, see kMinFrictionChange (contact_row.h)
+  ContactVector change, direction;  ///< N s, scratch of the solver
+  double closing = 0.0;             ///< m, by which turning features have closed it in the last substep
+  double recoverySpeed;             ///< m/s, see ContactBase
+  double workFactor;                ///< see kRecoveryWork (contact_row.h); 0: its work is not limited
+  double pinned;                    ///< m, part of an overlap due to pinned points, not included in the gap
+  double lastVelocity[3];  ///< m/s, of side a relative to b at the end of the last substep; of contacts
+                           ///< with restitution
 };
 
 /// The changes of a sweep: the largest squared change of a velocity, and the sum of all as an energy.
@@ -230,6 +236,14 @@ struct RowNodes {
   std::uint32_t begin, end;  ///< in IslandConstraints::nodeOf, of the row's points
   bool isLeftOut;            ///< by the last sweep; the row's change and direction are 0
   bool isSupported;          ///< see IslandConstraints::supportOf
+  bool knowsSupports;        ///< IslandConstraints::supported is known for its points
+  bool isActive;             ///< takes part in the sweeps: has an impulse, or would be violated without one
+};
+
+/// What a row's impulse along the normal does by a point to the contact that supports the point.
+struct SupportedPoint {
+  double ratio;     ///< impulse that is passed on per impulse of the row
+  double mobility;  ///< 1/kg, speed of the row per impulse of the row that is passed on
 };
 
 /// A point mass or rigid body that contacts change.
@@ -242,6 +256,7 @@ struct ConstraintNode {
 /// Consecutive rows that one thread sweeps, see IslandConstraints::sets.
 struct alignas(64) RowSet {
   std::uint32_t begin = 0, end = 0;
+  Range following;                                ///< in IslandConstraints::following
   std::uint32_t activeCount = 0, sweptCount = 0;  ///< in `active` and `swept`, from `begin` on
   SweepChange change;                             ///< of the last sweep
 };
@@ -260,13 +275,15 @@ struct IslandConstraints {
   std::vector<MomentArm> momentArms;  ///< #points
   std::vector<std::uint32_t> nodeOf;  ///< #points
   std::vector<ConstraintNode> nodes;
-  std::vector<std::uint32_t> supportOf;  ///< #points: the row by which the point lies on a static or
-                                         ///< kinematic object, opposite to its own row; kNoSupport: none
+  std::vector<std::uint32_t> supportOf;   ///< #points: the row by which the point lies on a static or
+                                          ///< kinematic object, opposite to its own row; kNoSupport: none
+  std::vector<SupportedPoint> supported;  ///< #points: of those in `supportOf`, see RowNodes::knowsSupports
   std::vector<ConstraintRotation> rotations;
-  std::vector<RowSet> sets;           ///< small islands have one
-  std::vector<Range> phases;          ///< of `sets`; the sets of a phase have no body in common
-  std::vector<std::uint32_t> active;  ///< #rows, by sets: rows in the sweeps of the present stage
-  std::vector<std::uint32_t> swept;   ///< likewise: those of them in the present sweep
+  std::vector<RowSet> sets;              ///< small islands have one
+  std::vector<Range> phases;             ///< of `sets`; the sets of a phase have no body in common
+  std::vector<std::uint32_t> active;     ///< #rows, by sets: rows in the sweeps of the present stage
+  std::vector<std::uint32_t> swept;      ///< likewise: those of them in the present sweep
+  std::vector<std::uint32_t> following;  ///< by sets: rows that followContacts() updates
   std::vector<int> changedIn;  ///< #soft bodies, then #rigid bodies: the last sweep that changed a node of it
   std::vector<std::uint32_t> weights, slabs, byPlace;  ///< likewise, scratch of divideRows()
   std::vector<std::pair<const double*, std::uint32_t>>
@@ -277,6 +294,7 @@ struct IslandConstraints {
       scaledMasses;            ///< 1/kg, inverse masses of points in contacts with a massFactor
   double time = 0.0;           ///< s, since the tick's start, of the present substep's middle
   bool turns = false;          ///< a contact has an acceleration
+  bool restitutes = false;     ///< a contact has a restitution
   bool pressed = false;        ///< static or kinematic objects press rigid bodies
   double squaredMotion = 0.0;  ///< m^2/s^2, mean square of the island's velocities, see kRecoveryWork
   double tolerance = 1e-4;  ///< m/s; a solve ends when all row errors are smaller, or after kMaxSweeps; see
