@@ -323,6 +323,25 @@ Bobbing buoy(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, do
   return bobbing;
 }
 
+/// Limits the force on a body that is so small that a tick may take it from one side of the water's plane to
+/// the other: it would leap ever higher. The force then lifts its centre to the plane at most, where it comes
+/// to rest unless its draught is larger.
+void limitRise(const SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
+  constexpr double kSmall = 1.6;  // falls from rest in a tick, per size
+  const Vector3d gravity = toEigen(body.world->getGravity());
+  if (!(gravity.norm() * tick * tick > kSmall * body.size)) return;
+  const PointState& s = body.state;
+  double momentum = 0.0, impulse = 0.0, wanted = 0.0;  // kg m/s, upward: without the force, by it, to the plane
+  for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
+    const double m = massOf(s.inverseMass, i);
+    momentum += m * plane.up.dot(s.velocity.col(i) + tick * s.acceleration.col(i));
+    impulse += tick * plane.up.dot(medium.force.col(i));
+    wanted += m * plane.depthOf(s.position.col(i)) / tick;
+  }
+  const double excess = momentum + impulse - wanted;
+  if (impulse > 0.0 && excess > 0.0) medium.force *= std::max(0.0, 1.0 - excess / impulse);
+}
+
 /// Adds the buoyancy to the accelerations. It is that of the predicted positions: then a constant force over
 /// the tick keeps the energy of bobbing bodies.
 Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane& plane, double tick) {
@@ -336,6 +355,7 @@ Bobbing addWaterForces(SoftBodyData& body, BodyMedium& medium, const WaterPlane&
   } else if (body.settings.flow.displacedVolume > 0.0) {
     bobbing.area = addDisplacement(body, medium, plane);
   }
+  limitRise(body, medium, plane, tick);
   body.state.acceleration += medium.force.cwiseProduct(body.state.inverseMass);
   body.surface.sweptBounds.tick = 0.0;
   bobbing.phase = bobbing.own * bobbing.implicit * bobbingPhase(plane, bobbing.area, mass, tick);

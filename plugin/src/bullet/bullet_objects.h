@@ -34,6 +34,12 @@ inline Eigen::Matrix3d toEigen(const btMatrix3x3& m) {
   return result;
 }
 
+/// Transforms a point to world coordinates in double precision: flat surfaces stay flat, and the corners of a
+/// solid far from the world's origin stay on its faces.
+inline Eigen::Vector3d worldPoint(const btTransform& pose, const Eigen::Vector3d& own) {
+  return toEigen(pose.getBasis()) * own + toEigen(pose.getOrigin());
+}
+
 inline btVector3 toBullet(const Eigen::Vector3d& v) {
   return btVector3(static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z()));
 }

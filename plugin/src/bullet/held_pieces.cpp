@@ -32,11 +32,6 @@ using Kind = HeldPiece::Kind;
 /// Hulls of fewer faces are not culled.
 constexpr std::size_t kMinFacesForCulling = 64;
 
-/// Transforms a point to world coordinates in double precision, so that flat surfaces stay flat.
-Vector3d worldPoint(const btTransform& pose, const Vector3d& own) {
-  return toEigen(pose.getBasis()) * own + toEigen(pose.getOrigin());
-}
-
 HeldPiece pieceAt(Kind kind, const btTransform& pose, double margin) {
   HeldPiece piece;
   piece.kind = kind;
@@ -49,7 +44,7 @@ HeldPiece pieceAt(Kind kind, const btTransform& pose, double margin) {
 HeldPiece planePiece(const btStaticPlaneShape& plane, const btTransform& pose) {
   HeldPiece piece = pieceAt(Kind::Plane, pose, 0.0);
   piece.axes.col(1) = toEigen(pose.getBasis() * plane.getPlaneNormal()).normalized();
-  piece.center = toEigen(pose * (plane.getPlaneNormal() * plane.getPlaneConstant()));
+  piece.center = worldPoint(pose, toEigen(plane.getPlaneNormal() * plane.getPlaneConstant()));
   return piece;
 }
 

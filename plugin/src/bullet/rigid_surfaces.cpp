@@ -428,7 +428,7 @@ void placePart(RigidPart& part, const ShapeSurface& surface, const btTransform& 
   part.position.resize(3, rest.cols());
   part.motion.resize(3, rest.cols());
   for (Eigen::Index i = 0; i < rest.cols(); ++i) {
-    const Vector3d position = toEigen(pose * toBullet(rest.col(i)));
+    const Vector3d position = worldPoint(pose, rest.col(i));
     part.position.col(i) = position;
     part.motion.col(i) = motionOf(position);
   }
