@@ -3,8 +3,8 @@
 // second, and no tick takes more substeps than a tick has at most.
 #include "fuzz/dice.h"
 #include "solver/stepping_choice.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -26,6 +26,7 @@ namespace {
 
 using fuzz::Dice;
 using test::BulletWorld;
+using test::SoftWorld;
 
 /// One of the bounds, or log-uniform between them. A range from 0 has its decades from `least`.
 double anyIn(Dice& dice, double low, double high, double least) {
@@ -147,15 +148,14 @@ void placeAboveFloor(Dice& dice, const SpringNetwork& network, SoftBodySettings&
 /// unless the network has limits for the settings.
 void play(std::uint64_t seed, int allowance, unsigned& played) {
   Dice dice(seed);
-  BulletWorld bullet;
+  SoftWorld bullet;
   addFloor(dice, bullet);
-  SoftBodySystem system(*bullet.world);
   std::string warning;
-  system.onWarning([&](const std::string& text) { warning = text; });
+  bullet.system.onWarning([&](const std::string& text) { warning = text; });
   const SharedNetwork network = rolledNetwork(dice);
   SoftBodySettings s = rolledSettings(dice);
   placeAboveFloor(dice, *network, s);
-  const Result<SoftBody*> made = system.createBody(network, s);
+  const Result<SoftBody*> made = bullet.system.createBody(network, s);
   if (!made) return;
   ++played;
   const bool gas = s.pressure > 0.0;
@@ -195,9 +195,8 @@ TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
   for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::Newton})
     for (const double damping : {0.0, 1.0, 1e6, 1e12})
       for (const double friction : {0.5, 1e6}) {
-        BulletWorld bullet;
+        SoftWorld bullet;
         bullet.addPlaneFloor();
-        SoftBodySystem system(*bullet.world);
         SoftBodySettings s = test::testedSettings();
         s.scale.setConstant(1e-5);
         s.position.y() = 6e-6;
@@ -205,7 +204,7 @@ TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
         s.damping = damping;
         s.friction = friction;
         s.stepping.stepper = stepper;
-        SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+        SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
         for (int i = 0; i < 10; ++i) {
           const bool touched = !body->contacts().empty();
           bullet.tick();

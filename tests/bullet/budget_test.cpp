@@ -2,9 +2,9 @@
 // Bodies whose budget (maxSubsteps) is far below what Verlet needs are softened: the number of substeps, what
 // is softened and by how much, and contacts, pins, anchors, links and rigid partners.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -21,6 +21,7 @@ namespace {
 
 using test::BulletWorld;
 using test::kGravity;
+using test::SoftWorld;
 
 constexpr int kBudget = 20;
 
@@ -53,13 +54,12 @@ SharedNetwork cloth(std::uint32_t cells) {
 
 TEST(BudgetInContact, holdsAtAnyStiffness) {
   for (const double stiffness : {1e3, 1e5, 1e7}) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     bullet.addBox({btScalar(0.2), btScalar(0.2), btScalar(0.2)}, 2.0, {0, 2, 0});
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = stiff(stiffness, 1.0);
     s.position.y() = 0.6;
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), s);
     for (int tick = 0; tick < 120; ++tick) {
       bullet.tick();
       ASSERT_LE(body->substeps(), kBudget) << stiffness;
@@ -69,14 +69,13 @@ TEST(BudgetInContact, holdsAtAnyStiffness) {
 }
 
 TEST(BudgetInContact, aBoxRestsOnAStiffCube) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.addPlaneFloor();
   btRigidBody* box = bullet.addBox({btScalar(0.3), btScalar(0.3), btScalar(0.3)}, 5.0, {0, btScalar(1.5), 0});
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = stiff(1e6, 1.0);
   s.collision = Collision::Surface;
   s.position.y() = 0.53;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
   bullet.simulate(5.0);
   const double radius = pointRadius(body->network(), body->settings());
   // the cube's edge, twice its radius, and half of the box
@@ -87,15 +86,14 @@ TEST(BudgetInContact, aBoxRestsOnAStiffCube) {
 
 TEST(BudgetInContact, aStackOfTenStands) {
   if (test::testedSettings().collision == Collision::Points) GTEST_SKIP() << "corners alone do not stack";
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = stiff(1e6, 1.0);
   s.damping = 20.0;
   std::vector<SoftBody*> cubes;
   for (int i = 0; i < 10; ++i) {
     s.position.y() = 0.55 + 1.05 * i;
-    cubes.push_back(*system.createBody(test::closedCubeNetwork(), s));
+    cubes.push_back(bullet.addSoft(test::closedCubeNetwork(), s));
   }
   bullet.simulate(5.0);
   for (std::size_t i = 0; i < cubes.size(); ++i) {
@@ -113,15 +111,14 @@ struct Drape {
 };
 
 Drape drape(double stiffness, int maxSubsteps, double seconds) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.add(std::make_unique<btSphereShape>(btScalar(0.3)), 0.0, {0, 0, 0});
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = stiff(stiffness, 0.2);
   s.damping = 0.01;
   s.position.y() = 0.4;
   s.pointRadius = 0.005;
   s.stepping.maxSubsteps = maxSubsteps;
-  SoftBody* body = *system.createBody(cloth(14), s);
+  SoftBody* body = bullet.addSoft(cloth(14), s);
   Drape result;
   for (int tick = 0; tick < static_cast<int>(60 * seconds); ++tick) {
     bullet.tick();
@@ -202,9 +199,8 @@ TEST(Softening, sparesTheSpringsThatAreSlowEnough) {
   std::vector<double> ends;
   for (const int budget : {kBudget, 0}) {
     s.stepping.maxSubsteps = budget;
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(std::make_shared<SpringNetwork>(network), s);
+    SoftWorld bullet(0.0);
+    SoftBody* body = bullet.addSoft(std::make_shared<SpringNetwork>(network), s);
     body->point(3)->setLinearVelocity(btVector3(btScalar(0.1), 0, 0));
     for (int tick = 0; tick < 60; ++tick) bullet.tick();
     EXPECT_EQ(body->softening() < 0.1, budget > 0);
@@ -240,9 +236,8 @@ TEST(Softening, withoutABudgetIsThatOfTenThousandSubsteps) {
 }
 
 TEST(Softening, isThatOfTheLongestTick) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), stiff(1e6, 1.0));
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), stiff(1e6, 1.0));
   const auto shareAfter = [&](double tick) {
     bullet.tick(tick);
     return body->softening();
@@ -277,14 +272,13 @@ TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
     elongation += below * kMass / (kLinks + 1) * kGravity / kStiffness;
   double last = 1.0;
   for (const int budget : {3, 5, 10, 20, 40, 80, 0}) {
-    BulletWorld bullet(-kGravity);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(-kGravity);
     SoftBodySettings s = stiff(kStiffness, kMass);
     s.damping = 20.0;
     s.pointRadius = 0.02;
     s.stepping.maxSubsteps = budget;
     s.stepping.stepper = Stepper::Verlet;
-    SoftBody* body = *system.createBody(test::chainNetwork(kLinks), s);
+    SoftBody* body = bullet.addSoft(test::chainNetwork(kLinks), s);
     ASSERT_TRUE(body->pin(0));
     bullet.simulate(5.0);
     const double measured = (body->position(kLinks) - body->position(0)).norm() - 1.0;
@@ -313,12 +307,11 @@ TEST(Softening, leavesAPendulumItsPeriod) {
   rod.springs = {spring};
   std::vector<double> lowest;
   for (const int budget : {8, 0}) {
-    BulletWorld bullet(-kGravity);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(-kGravity);
     SoftBodySettings s = stiff(1e6, 1.0);
     s.pointRadius = 0.02;
     s.stepping.maxSubsteps = budget;
-    SoftBody* body = *system.createBody(std::make_shared<SpringNetwork>(rod), s);
+    SoftBody* body = bullet.addSoft(std::make_shared<SpringNetwork>(rod), s);
     ASSERT_TRUE(body->pin(0));
     int tick = 0;
     while (tick < 120 && body->position(1).x() > 0.0) bullet.tick(), ++tick;
@@ -333,18 +326,17 @@ TEST(Softening, leavesAPendulumItsPeriod) {
 /// once it is stiff again: it would gain 1e4 J, and in every other tick 1e11 J.
 TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
   for (const int period : {1, 3}) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = stiff(6e4, 1.0);
     s.damping = 1.0;
     s.stepping.maxSubsteps = 0;
     s.position.y() = 1.2;
-    SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(test::cubeNetwork(), s);
     s = stiff(1e3, 0.2);
     s.stepping.maxSubsteps = 3;
     s.position = {0.5, 1.7, 0.5};
-    SoftBody* rope = *system.createBody(*buildRope(), s);
+    SoftBody* rope = bullet.addSoft(*buildRope(), s);
     ASSERT_TRUE(rope->pin(16));
     SpringSettings link;
     link.stiffness = 2000.0;
@@ -358,29 +350,28 @@ TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
     const double start = energy();
     for (int i = 0; i < 120; ++i) {
       if (spring && i % period == 0) {
-        ASSERT_TRUE(system.removeSpring(spring));
+        ASSERT_TRUE(bullet.system.removeSpring(spring));
         spring = nullptr;
       } else if (i % period == 0) {
-        spring = *system.addSpring({cube->point(7)}, {rope->point(0)}, link);
+        spring = *bullet.system.addSpring({cube->point(7)}, {rope->point(0)}, link);
       }
       bullet.tick();
       least = std::min(least, cube->softening());
       ASSERT_LT(energy(), start + 0.1) << period << ' ' << i;
     }
     EXPECT_LT(least, 0.01) << "it was linked";
-    ASSERT_TRUE(!spring || system.removeSpring(spring));
+    ASSERT_TRUE(!spring || bullet.system.removeSpring(spring));
     bullet.simulate(3.0);
     EXPECT_EQ(cube->softening(), 1.0) << "it becomes stiff again";
   }
 }
 
 TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
-  BulletWorld bullet(-kGravity);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-kGravity);
   SoftBodySettings s = stiff(1e5, 1.0);
   s.damping = 5.0;
   s.position.y() = -1.0;
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), s);
   SpringSettings link;
   link.stiffness = 1e5;
   link.damping = 20.0;
@@ -388,7 +379,7 @@ TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
   std::uint32_t top = 0;
   for (std::uint32_t i = 0; i < body->pointCount(); ++i)
     if (body->position(i).sum() > body->position(top).sum()) top = i;
-  ASSERT_TRUE(system.addSpring({body->point(top)}, {nullptr, btVector3(0, 0, 0)}, link));
+  ASSERT_TRUE(bullet.system.addSpring({body->point(top)}, {nullptr, btVector3(0, 0, 0)}, link));
   bullet.simulate(10.0);
   EXPECT_EQ(body->substeps(), kBudget);
   // The link has half of (1.8 / dt)^2 = 2 k / m at most, as has its point of 1/8 kg with the body's springs:
@@ -398,14 +389,13 @@ TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
 }
 
 TEST(BudgetWithLinks, anAttachedBodyFollowsItsRigidBody) {
-  BulletWorld bullet(-kGravity);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-kGravity);
   btRigidBody* box = bullet.addBox({btScalar(0.2), btScalar(0.2), btScalar(0.2)}, 5.0, {0, btScalar(0.9), 0});
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), stiff(1e6, 1.0));
+  SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), stiff(1e6, 1.0));
   std::uint32_t top = 0;
   for (std::uint32_t i = 0; i < body->pointCount(); ++i)
     if (body->position(i).y() > body->position(top).y()) top = i;
-  ASSERT_TRUE(system.attach(body, top, *box));
+  ASSERT_TRUE(bullet.system.attach(body, top, *box));
   const btVector3 pivot =
       box->getWorldTransform().inverse() * body->point(top)->getWorldTransform().getOrigin();
   bullet.simulate(1.0);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Settings, place and motion of a body change while it lives. What does not change keeps its energy.
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -19,6 +19,7 @@ namespace {
 
 using test::BulletWorld;
 using test::kTick;
+using test::SoftWorld;
 using test::vec;
 
 /// Relative tolerance of what Bullet's floats hold: positions, velocities and masses have 24 bits.
@@ -94,16 +95,14 @@ TEST(Change, aChangedBodyMovesLikeOneMadeSo) {
     s.pointRadius = 0.03;
     s.stepping.minSubsteps = 17;
   };
-  SoftBodySettings made = test::testedSettings();
+  SoftBodySettings made = test::settingsAt({0, 0.8, 0});
   made.damping = 0.0;
-  made.position = {0, 0.8, 0};
   World changed(-9.81, made);
   changed.bullet.addBoxFloor();
   changed.change(edit);
   edit(made);
-  BulletWorld bullet(-9.81);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), made);
+  SoftWorld bullet(-9.81);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), made);
   bullet.addBoxFloor();
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -127,9 +126,8 @@ TEST(Change, massKeepsVelocitiesAndScalesMomentum) {
 }
 
 TEST(Change, scaleKeepsCentreAndStrains) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({5, 6, 7});
   s.volumeModulus = 0.0;
-  s.position = {5, 6, 7};
   World world(0.0, s);
   world.body->setVelocity(vec(0, 0, 0), vec(0, 3, 0));
   world.bullet.simulate(0.4);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Contacts with static bodies add no energy, and do not depend on the units.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/test_shapes.h"
 #include "support/tested_way.h"
 
@@ -27,6 +27,7 @@ using test::BulletWorld;
 using test::kGravity;
 using test::kPi;
 using test::kTick;
+using test::SoftWorld;
 using test::vec;
 
 // --- tumbling drops ----------------------------------------------------------------------------------------
@@ -79,17 +80,15 @@ double riseInDrop(const SharedNetwork& network, FloorMaker addFloor, unsigned se
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> draw(-1.0, 1.0);
   const auto vector = [&] { return Vector3d(draw(random), draw(random), draw(random)); };
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   addFloor(bullet);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({0, 0.9, 0});
   s.extensionStiffness = s.compressionStiffness = seed % 2 ? 1e4 : 1e3;
   s.friction = seed / 2 % 2 ? 1.0 : 0.0;
-  s.position = {0, 0.9, 0};
   s.rotation = Eigen::AngleAxisd(3.0 * draw(random), vector().normalized());
   s.linearVelocity = {2.0 * draw(random), 0.0, 2.0 * draw(random)};
   s.angularVelocity = 5.0 * vector();
-  const SoftBody* body = *system.createBody(network, s);
+  const SoftBody* body = bullet.addSoft(network, s);
   const double start = test::energyOf(*body, kGravity);
   double rise = 0.0;
   for (int tick = 0; tick < 90 && rise <= allowed; ++tick) {
@@ -126,15 +125,13 @@ TEST(TumblingDrops, pointsThrownBySpringsStayOutside) {
        {FloorMaker([](BulletWorld& b) { b.addBox(vec(5, 0.02, 5), 0, vec(0, -0.02, 0)); }),
         FloorMaker(addTwoTriangles)})
     for (const double height : {0.1, 0.4, 0.8}) {
-      BulletWorld bullet(0.0);
+      SoftWorld bullet(0.0);
       addFloor(bullet);
-      SoftBodySystem system(*bullet.world);
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = test::settingsAt({0.1, height, 0.2});
       s.extensionStiffness = s.compressionStiffness = 1e4;
-      s.position = {0.1, height, 0.2};
       s.rotation = Eigen::AngleAxisd(kPi / 2, Vector3d::UnitZ());
       s.damping = 0.0;
-      SoftBody* body = *system.createBody(test::pairNetwork(), s);
+      SoftBody* body = bullet.addSoft(test::pairNetwork(), s);
       // compressed from a rest length of 1 m to 0.03 m, at rest
       for (std::uint32_t i = 0; i < 2; ++i) {
         btTransform pose = body->point(i)->getWorldTransform();
@@ -166,20 +163,18 @@ struct Fall {
 
 /// Simulates a fall of 1 m to the height of the centre of mass at which a flat body lies on the plane.
 Rebound fall(const Fall& f) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.addPlaneFloor()->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({0, 1.5, 0});
   s.extensionStiffness = s.compressionStiffness = f.stiffness;
   s.damping = 0.0;
   s.friction = 0.0;
   s.volumeModulus = 0.0;
   s.restitution = f.restitution;
   s.stepping.minSubsteps = f.substeps;
-  s.position = {0, 1.5, 0};
   s.rotation = f.rotation;
   s.sleepingSpeed = 0.0;
-  const SoftBody* body = *system.createBody(f.network, s);
+  const SoftBody* body = bullet.addSoft(f.network, s);
   const double start = test::energyOf(*body, kGravity);
   Rebound rebound{1.0, 1.0, 0.0};
   bool touched = false;
@@ -244,17 +239,15 @@ TEST(Restitution, neverGivesEnergy) {
 /// fraction of the initial energy.
 double maxEnergyOn(std::unique_ptr<btCollisionShape> shape, const Vector3d& position, double stiffness,
                    double tick) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.add(std::move(shape), 0, vec(0, -0.5, 0))->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt(position);
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = s.friction = s.sleepingSpeed = 0.0;
   s.restitution = 1.0;
-  s.position = position;
   TriangleMesh mesh = small_meshes::cube();
   for (Vector3d& p : mesh.positions) p *= 0.5;
-  const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
+  const SoftBody* body = bullet.addSoft(*buildNetwork(mesh), s);
   const double start = test::energyOf(*body, kGravity);
   double largest = 1.0;
   for (double time = 0.0; time < 1.2; time += tick) {
@@ -284,17 +277,16 @@ TEST(Restitution, ofOneGivesNoEnergyOnSmallBallsAndCones) {
 /// Throws a weightless block of foam at 4 m/s, onto a floor or a block like it. Returns the share of the
 /// energy that is left afterwards.
 double energyLeftAfterImpact(const SharedNetwork& block, bool onTwin, int minSubsteps) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   if (!onTwin) bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = *withMaterial(*block, Material::foam(), test::testedSettings());
   s.stepping.minSubsteps = minSubsteps;
   s.linearVelocity = {0, -4, 0};
   s.position = {0, 0.6, 0};
-  std::vector<const SoftBody*> bodies{*system.createBody(block, s)};
+  std::vector<const SoftBody*> bodies{bullet.addSoft(block, s)};
   s.linearVelocity *= -1.0;
   s.position *= -1.0;
-  if (onTwin) bodies.push_back(*system.createBody(block, s));
+  if (onTwin) bodies.push_back(bullet.addSoft(block, s));
   const double before = bodies[0]->kineticEnergy();
   bullet.simulate(0.5);
   double left = 0.0;
@@ -332,18 +324,17 @@ TEST(StrongDampers, glidingPastAFloorIsNoImpact) {
   s.position = {1.16, 0.2, 0};
   std::vector<int> substeps;
   for (const double speed : {0.0, 6.0}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     btRigidBody& chassis = *bullet.addBox(vec(1, 0.1, 0.6), 400.0, vec(0, 0.3, 0));
     s.linearVelocity = {speed, 0, 0};
     chassis.setLinearVelocity(vec(speed, 0, 0));
-    SoftBody& body = **system.createBody(bumper, s);
+    SoftBody& body = *bullet.addSoft(bumper, s);
     for (std::uint32_t i = 0; i < body.pointCount(); ++i)
-      if (body.position(i).x() < 1.04) system.attach(&body, i, chassis);
+      if (body.position(i).x() < 1.04) bullet.system.attach(&body, i, chassis);
     bullet.simulate(0.5);
     substeps.push_back(body.substeps());
-    EXPECT_EQ(system.profile().contacts > 0, speed > 0.0);
+    EXPECT_EQ(bullet.system.profile().contacts > 0, speed > 0.0);
   }
   EXPECT_EQ(substeps[1], substeps[0]);
 }
@@ -357,8 +348,7 @@ struct AfterHit {
 
 /// Throws an undamped rubber ball without friction, 0.25 m across, at 6 m/s against the side of a capsule.
 AfterHit hitOnCapsule(const SharedNetwork& ball, double tick) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   Material rubber = Material::rubber();
   rubber.dampingTime = 0.0;
   SoftBodySettings s = *withMaterial(*ball, rubber);
@@ -367,7 +357,7 @@ AfterHit hitOnCapsule(const SharedNetwork& ball, double tick) {
   s.position = {-0.5, 0.12, 0};
   s.linearVelocity = {6, 0, 0};
   bullet.add(std::make_unique<btCapsuleShapeZ>(btScalar(0.15), btScalar(3)), 0.0, vec(0.3, -0.05, 0.02));
-  SoftBody& body = **system.createBody(ball, s);
+  SoftBody& body = *bullet.addSoft(ball, s);
   const double before = body.kineticEnergy();
   bullet.simulate(0.3, tick);
   const Vector3d own = body.angularMomentum() - body.centerOfMass().cross(body.linearMomentum());
@@ -417,19 +407,16 @@ class SpikyGround {
 /// Drops a jelly cube of 65 kg on a cloth of 1 kg that falls on spikes. Returns the largest speed of its
 /// points.
 double fastestOnSpikes(const SharedNetwork& jelly, double x) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   const SpikyGround ground(bullet);
-  SoftBodySystem system(*bullet.world);
   ClothSettings sheet;
   sheet.width = sheet.depth = 3.0;
   sheet.columns = sheet.rows = 20;
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.1, 1.2, 0.05};
+  SoftBodySettings s = test::settingsAt({0.1, 1.2, 0.05});
   s.pointRadius = 0.02;
-  (void)*system.createBody(*buildCloth(sheet), s);
-  SoftBodySettings ofJelly = test::testedSettings();
-  ofJelly.position = {x, 2.0, 0.0};
-  const SoftBody& cube = **system.createBody(jelly, *withMaterial(*jelly, {3e4, 0.3, 300.0, 0.01}, ofJelly));
+  (void)bullet.addSoft(*buildCloth(sheet), s);
+  SoftBodySettings ofJelly = test::settingsAt({x, 2.0, 0.0});
+  const SoftBody& cube = *bullet.addSoft(jelly, *withMaterial(*jelly, {3e4, 0.3, 300.0, 0.01}, ofJelly));
   double fastest = 0.0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -455,20 +442,18 @@ TEST(SurfaceContactEnergy, ofAJellyThatPressesAClothOntoSpikesDoesNotGrow) {
 /// With each stepper: two planes push an undamped cloth that flies into their wedge, and never pull it.
 TEST(HeldContacts, neverPull) {
   for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton}) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     bullet.add(std::make_unique<btStaticPlaneShape>(vec(-0.6, -0.8, 0), btScalar(-0.9)), 0, vec(0, 0, 0));
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = test::settingsAt({-0.5, 0.7, 0});
     s.stepping.stepper = stepper;
     s.damping = 0.0;
     s.totalMass = 0.3;
-    s.position = {-0.5, 0.7, 0};
     s.linearVelocity = {8, 0, 0};
     s.rotation = rotationAbout(0.7, {1, 2, 0.5});
     ClothSettings cloth;
     cloth.columns = cloth.rows = 3;
-    const SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+    const SoftBody* body = bullet.addSoft(*buildCloth(cloth), s);
     int pushes = 0;
     for (int tick = 0; tick < 80; ++tick) {
       bullet.tick(kTick);
@@ -494,22 +479,20 @@ TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
   for (unsigned seed = 0; seed < 16; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> draw(-1.0, 1.0);
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     auto hull = std::make_unique<btConvexHullShape>();
     for (int i = 0; i < 8; ++i)
       hull->addPoint(vec(i & 1 ? 0.3 : -0.3, i & 2 ? 0.3 : -0.3, i & 4 ? 0.3 : -0.3));
     bullet.add(std::move(hull), 0, vec(0.1 * draw(random), 0.3, 0));
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.0, 0};
+    SoftBodySettings s = test::settingsAt({0, 1.0, 0});
     s.damping = s.friction = 0.0;
     s.totalMass = 0.3;
     s.selfCollision = true;
     s.stepping.maxSubsteps = 4;
     ClothSettings cloth;
     cloth.columns = cloth.rows = 3;
-    SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+    SoftBody* body = bullet.addSoft(*buildCloth(cloth), s);
     bullet.simulate(0.45);
     btRigidBody& corner = *body->point(seed % 16);
     btTransform pose = corner.getWorldTransform();
@@ -533,12 +516,10 @@ double riseUnderCone(const SharedNetwork& star, unsigned seed, double& fall) {
   const auto between = [&](double low, double high) {
     return low + (high - low) * double(random()) / 4294967296.0;
   };
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.5, 0};
-  SoftBody* soft = *system.createBody(star, *withMaterial(*star, Material::jelly(), s));
+  SoftBodySettings s = test::settingsAt({0, 0.5, 0});
+  SoftBody* soft = bullet.addSoft(star, *withMaterial(*star, Material::jelly(), s));
   bullet.simulate(1.0);
   btRigidBody* cone =
       bullet.add(std::make_unique<btConeShape>(btScalar(0.26), btScalar(0.46)),
@@ -581,10 +562,9 @@ struct Units {
 /// Returns the heights of all points, in units of the scene's length, after each tick of a second: a cube of
 /// 1 m above (or inside) a floor, and a second one that falls on it.
 std::vector<double> heightsIn(const Units& u, double height, double restitution, double gravity) {
-  BulletWorld bullet(-gravity);
+  SoftWorld bullet(-gravity);
   bullet.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, vec(0, 0, 0))
       ->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = test::testedSettings();
   s.totalMass = u.mass();
   s.extensionStiffness = s.compressionStiffness = 2e3 * u.mass() / (u.time() * u.time());
@@ -593,9 +573,9 @@ std::vector<double> heightsIn(const Units& u, double height, double restitution,
   s.scale.setConstant(u.length);
   s.position = {0, height * u.length, 0};
   s.sleepingSpeed = 0.0;
-  std::vector<SoftBody*> bodies = {*system.createBody(test::closedCubeNetwork(), s)};
+  std::vector<SoftBody*> bodies = {bullet.addSoft(test::closedCubeNetwork(), s)};
   s.position = {0.1 * u.length, (height + 1.3) * u.length, 0.05 * u.length};
-  bodies.push_back(*system.createBody(test::closedCubeNetwork(), s));
+  bodies.push_back(bullet.addSoft(test::closedCubeNetwork(), s));
   std::vector<double> heights;
   for (int tick = 0; tick < 60; ++tick) {
     bullet.tick(kTick * u.time());

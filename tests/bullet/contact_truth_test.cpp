@@ -2,9 +2,9 @@
 // Compares the contacts that bodies report with the laws of motion: weights, momenta, positions.
 #include "support/allocation_counter.h"
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -22,13 +22,13 @@ using test::eigen;
 using test::kGravity;
 using test::kRadius;
 using test::kTick;
+using test::SoftWorld;
 using test::vec;
 
 constexpr double kWeight = kGravity;  // N, of bodies of 1 kg
 
 SoftBodySettings weighedSettings(double height) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, height, 0};
+  SoftBodySettings s = test::settingsAt({0, height, 0});
   s.extensionStiffness = s.compressionStiffness = 2000;
   s.damping = 5;
   s.friction = 1;
@@ -82,37 +82,34 @@ Sums meanOfAMinute(BulletWorld& bullet, const SoftBody& body, const btCollisionO
 constexpr double kTolerance = 1e-3;
 
 TEST(ContactTruth, aRestingCubeBearsItsWeightOnAPlane) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  const Sums mean = meanOfAMinute(bullet, *addWeighedCube(system), floor);
+  const Sums mean = meanOfAMinute(bullet, *addWeighedCube(bullet.system), floor);
   EXPECT_NEAR(mean.normal / (kWeight * kTick), 1.0, kTolerance);
   EXPECT_NEAR(mean.impulse.x(), 0.0, kTolerance * kWeight * kTick);
 }
 
 TEST(ContactTruth, aRestingCubeBearsItsWeightOnABox) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  EXPECT_NEAR(meanOfAMinute(bullet, *addWeighedCube(system), floor).normal / (kWeight * kTick), 1.0,
+  EXPECT_NEAR(meanOfAMinute(bullet, *addWeighedCube(bullet.system), floor).normal / (kWeight * kTick), 1.0,
               kTolerance);
 }
 
 TEST(ContactTruth, aRestingCubeBearsItsWeightOnAFreeBox) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
   btRigidBody* box = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
-  SoftBodySystem system(*bullet.world);
-  EXPECT_NEAR(meanOfAMinute(bullet, *addWeighedCube(system, 0.9 + kRadius), box).normal / (kWeight * kTick),
-              1.0, kTolerance);
+  EXPECT_NEAR(
+      meanOfAMinute(bullet, *addWeighedCube(bullet.system, 0.9 + kRadius), box).normal / (kWeight * kTick),
+      1.0, kTolerance);
 }
 
 TEST(ContactTruth, aFreeBoxOnACubeIsBorneByIt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addWeighedCube(system);
+  SoftBody* cube = addWeighedCube(bullet.system);
   btRigidBody* box = bullet.addBox(vec(0.7, 0.1, 0.7), 0.5, vec(0, 1.1 + 2 * kRadius, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
   const Sums onBox = meanOfAMinute(bullet, *cube, box);
@@ -125,11 +122,10 @@ TEST(ContactTruth, aFreeBoxOnACubeIsBorneByIt) {
 
 TEST(ContactTruth, aCubeOnACubeIsBorneByItAsBothTell) {
   if (!test::kSurface) GTEST_SKIP() << "points of cubes do not rest on points";
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* lower = addClosedCube(system, 0.5 + kRadius);
-  SoftBody* upper = addClosedCube(system, 1.5 + 3 * kRadius);
+  SoftBody* lower = addClosedCube(bullet.system, 0.5 + kRadius);
+  SoftBody* upper = addClosedCube(bullet.system, 1.5 + 3 * kRadius);
   bullet.simulate(10.0);
   Sums up, down;
   const int ticks = 3600;
@@ -144,14 +140,13 @@ TEST(ContactTruth, aCubeOnACubeIsBorneByItAsBothTell) {
 }
 
 TEST(ContactTruth, theImpulsesOfACollisionAreTheChangesOfMomentumInBothBodiesReports) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = weighedSettings(0);
   s.linearVelocity = {0, 1, 0};
-  SoftBody* a = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* a = bullet.addSoft(test::closedCubeNetwork(), s);
   s.position = {0, 1.3, 0};
   s.linearVelocity = {0, -1, 0};
-  SoftBody* b = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* b = bullet.addSoft(test::closedCubeNetwork(), s);
   const Eigen::Vector3d before = a->linearMomentum();
   Sums onA, onB;
   for (int i = 0; i < 60; ++i) {
@@ -169,7 +164,7 @@ TEST(ContactTruth, theImpulsesOfACollisionAreTheChangesOfMomentumInBothBodiesRep
 TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
   const double angle = 0.3;
   for (const bool free : {false, true}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     // The incline is horizontal and gravity is tilted instead.
     bullet.world->setGravity(vec(kGravity * std::sin(angle), -kGravity * std::cos(angle), 0));
     btRigidBody* floor = bullet.addBoxFloor();
@@ -179,8 +174,8 @@ TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
       floor->setFriction(1);
       floor->setActivationState(DISABLE_DEACTIVATION);
     }
-    SoftBodySystem system(*bullet.world);
-    const Sums mean = meanOfAMinute(bullet, *addWeighedCube(system, (free ? 0.9 : 0.5) + kRadius), floor);
+    const Sums mean =
+        meanOfAMinute(bullet, *addWeighedCube(bullet.system, (free ? 0.9 : 0.5) + kRadius), floor);
     EXPECT_NEAR(mean.friction.x() / (-kWeight * std::sin(angle) * kTick), 1.0, kTolerance) << free;
     EXPECT_NEAR(mean.normal / (kWeight * std::cos(angle) * kTick), 1.0, kTolerance) << free;
   }
@@ -188,10 +183,9 @@ TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
 
 TEST(ContactTruth, aMarbleOnAFaceTellsTriangleAndPlace) {
   if (!test::kSurface) GTEST_SKIP() << "faces are not in the world";
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addClosedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addClosedCube(bullet.system, 0.5 + kRadius);
   const double r = 0.1;
   btRigidBody* marble =
       bullet.add(std::make_unique<btSphereShape>(btScalar(r)), 0.05, vec(0.12, 1 + 2 * kRadius + r, 0.2));
@@ -222,10 +216,9 @@ TEST(ContactTruth, aMarbleOnAFaceTellsTriangleAndPlace) {
 }
 
 TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addClosedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addClosedCube(bullet.system, 0.5 + kRadius);
   bullet.simulate(5.0);
   ASSERT_EQ(cube->contacts().size(), 4u);
   for (const SoftContact& c : cube->contacts()) {
@@ -249,10 +242,9 @@ TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
 }
 
 TEST(ContactTruth, aSleepingBodyKeepsItsContactsUntilTheirPartnerGoes) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), weighedSettings(0.5 + kRadius));
+  SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), weighedSettings(0.5 + kRadius));
   bullet.simulate(15.0);
   ASSERT_TRUE(cube->sleeping());
   EXPECT_EQ(cube->contacts().size(), 4u);
@@ -274,10 +266,9 @@ TEST(ContactTruth, contactsOfAWorldThatIsGoneAreGone) {
 TEST(ContactTruth, equalRunsTellTheSameBitForBit) {
   const auto run = [] {
     std::vector<double> values;
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBody* bodies[] = {addClosedCube(system, 0.6), addClosedCube(system, 1.8)};
+    SoftBody* bodies[] = {addClosedCube(bullet.system, 0.6), addClosedCube(bullet.system, 1.8)};
     bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 3, 0));
     for (int i = 0; i < 120; ++i) {
       bullet.tick(kTick);
@@ -297,14 +288,14 @@ TEST(ContactTruth, equalRunsTellTheSameBitForBit) {
 }
 
 TEST(ContactTruth, askingAllocatesNothingAfterWarmUp) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   ContactListener listener;
-  system.setContactListener(&listener);
-  system.reportManifolds(true);
+  bullet.system.setContactListener(&listener);
+  bullet.system.reportManifolds(true);
   std::vector<SoftBody*> bodies;
-  for (int i = 0; i < 4; ++i) bodies.push_back(addClosedCube(system, 0.5 + kRadius + i * (1 + 2 * kRadius)));
+  for (int i = 0; i < 4; ++i)
+    bodies.push_back(addClosedCube(bullet.system, 0.5 + kRadius + i * (1 + 2 * kRadius)));
   btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 5, 0));
   box->setActivationState(DISABLE_DEACTIVATION);
   // until all bodies are at rest

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The output of soft bodies to the user's btIDebugDraw.
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -15,6 +15,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 constexpr int kWireframe = btIDebugDraw::DBG_DrawWireframe, kAabb = btIDebugDraw::DBG_DrawAabb;
@@ -95,9 +96,8 @@ TEST_F(DebugDraw, marksPinnedPoints) {
 }
 
 TEST_F(DebugDraw, drawsABoxAroundABodyWithItsRadius) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({1, 2, 3});
   s.pointRadius = 0.1;
-  s.position = {1, 2, 3};
   system.createBody(test::pairNetwork(), s);
   const DrawRecorder box = drawn(system, kAabb);
   ASSERT_EQ(box.lines.size(), 12u);
@@ -106,15 +106,13 @@ TEST_F(DebugDraw, drawsABoxAroundABodyWithItsRadius) {
 }
 
 TEST(DebugDrawContacts, areThoseOfTheLastTick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.52, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.52, 0});
   s.pointRadius = 0.02;
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
   bullet.simulate(1.0);
-  const DrawRecorder recorder = drawn(system, kContacts);
+  const DrawRecorder recorder = drawn(bullet.system, kContacts);
   ASSERT_EQ(recorder.contacts.size(), cube->contacts().size());
   ASSERT_GE(recorder.contacts.size(), 4u);
   for (const DrawRecorder::Contact& contact : recorder.contacts) {
@@ -125,8 +123,7 @@ TEST(DebugDrawContacts, areThoseOfTheLastTick) {
 
 TEST_F(DebugDraw, drawsAnchorsAndSingleSpringsWithConstraints) {
   btRigidBody* box = bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, 1, 0));
-  SoftBodySettings s = test::testedSettings();
-  s.position = {3, 0, 0};
+  SoftBodySettings s = test::settingsAt({3, 0, 0});
   SoftBody* body = *system.createBody(test::pairNetwork(), s);
   SpringSettings spring;
   ASSERT_TRUE(system.addSpring({box, vec(0, -0.1, 0)}, {nullptr, vec(0, 0.5, 0)}, spring));

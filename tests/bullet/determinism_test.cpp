@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The same build and input give the same bits in every tick.
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
@@ -14,6 +14,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 
 /// Six cubes tumbling onto a box floor, two of them joined by a spring, one dragging a rigid box.
 struct Tumble {
@@ -24,8 +25,7 @@ struct Tumble {
     bullet.addBoxFloor();
     system = std::make_unique<SoftBodySystem>(*bullet.world);
     for (int i = 0; i < 6; ++i) {
-      SoftBodySettings s = test::testedSettings();
-      s.position = {1.3 * i, 1.5 + 0.3 * i, 0.2 * i};
+      SoftBodySettings s = test::settingsAt({1.3 * i, 1.5 + 0.3 * i, 0.2 * i});
       s.rotation = Eigen::Quaterniond(0.5, 0.5, i % 2 ? 0.5 : -0.5, 0.5);
       s.angularVelocity = {1.0 * i, 0.5, -1.0};
       (void)*system->createBody(test::cubeNetwork(), s);
@@ -55,12 +55,11 @@ TEST(Determinism, springsAloneGiveTheGoldenHash) {
   // Without contacts only the plugin's arithmetic and Bullet's transfer of velocities take part. The bits are
   // therefore the same on every x86-64 machine and in every build type. A change of the hash is a change of
   // the physics and needs an explanation.
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SoftBodySettings s = test::testedSettings();
   s.rotation = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5);
   s.angularVelocity = {1.0, 0.5, -1.0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
   body->pin(3);
   bullet.simulate(5.0);
 #ifdef BT_USE_DOUBLE_PRECISION

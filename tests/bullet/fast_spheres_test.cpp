@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Compares the closed form of sphere-box contacts with the distance of a point from a box.
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 
 #include <limber/soft_body_system.h>
 
@@ -14,6 +14,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 /// Returns the distance (m) of a point from a box about the origin with edges rounded by `round`. The normal
@@ -96,18 +97,17 @@ TEST(FastSpheres, aSphereRestsOnABoxAndTheFunctionsOutliveTheCall) {
 TEST(FastSpheres, aCubeOfPointsRestsOnAFreeBoxAsWithout) {
   double height[2];
   for (const bool fast : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     if (fast) useFastSphereAlgorithms(bullet.dispatcher);
     bullet.addBoxFloor();
     btRigidBody* box = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
     box->setActivationState(DISABLE_DEACTIVATION);
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s;
     s.collision = Collision::Points;  // points are spheres to Bullet
     s.position = {0, 1.0, 0};
     s.damping = 5;
     s.pointRadius = 0.02;
-    SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), s);
     bullet.simulate(5.0);
     height[fast] = cube->centerOfMass().y();
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Compares motion without contact in a Bullet world with closed forms.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -19,7 +19,7 @@
 namespace limber {
 namespace {
 
-using test::BulletWorld;
+using test::SoftWorld;
 
 /// Bullet stores positions as btScalar, but the state is double: the errors below are those of the scheme.
 SoftBody* create(SoftBodySystem& system, const SharedNetwork& network, const SoftBodySettings& settings) {
@@ -36,9 +36,8 @@ struct Oscillation {
 /// Simulates a pair: point 0 is pinned, point 1 is released 0.1 m beyond its rest distance. The elongation is
 /// read after every tick, and its zero crossings are interpolated linearly.
 Oscillation oscillate(SoftBodySettings settings, int periods, double expectedPeriod, double dt) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = create(system, test::pairNetwork(), settings);
+  SoftWorld bullet(0.0);
+  SoftBody* body = create(bullet.system, test::pairNetwork(), settings);
   body->pin(0);
   body->point(1)->getWorldTransform().setOrigin(test::vec(1.1, 0, 0));
   std::vector<double> crossings;
@@ -102,9 +101,8 @@ TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
   s.damping = 2 * zeta * std::sqrt(16.0 * 0.1);
   const double omega = std::sqrt(16.0 / 0.1);
   const double period = 2 * M_PI / (omega * std::sqrt(1 - zeta * zeta));
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = create(system, test::pairNetwork(), s);
+  SoftWorld bullet(0.0);
+  SoftBody* body = create(bullet.system, test::pairNetwork(), s);
   body->pin(0);
   body->point(1)->getWorldTransform().setOrigin(test::vec(1.1, 0, 0));
   // the exact solution for a start from rest at 0.1 m, compared after every tick of five periods
@@ -123,9 +121,8 @@ TEST(Oscillator, dampedAmplitudeFollowsTheLogarithmicDecrement) {
 /// error of its frequency. With N free points of mass m, mode j moves point n by sin(n theta), with
 ///     theta = (2 j - 1) pi / (2 N + 1),   omega = 2 sqrt(k / m) sin(theta / 2).
 double frequencyErrorOfMode(int mode, const SoftBodySettings& s, int links) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = create(system, test::chainNetwork(links), s);
+  SoftWorld bullet(0.0);
+  SoftBody* body = create(bullet.system, test::chainNetwork(links), s);
   body->pin(0);
   const double theta = (2 * mode - 1) * M_PI / (2 * links + 1), amplitude = 1e-3;
   const double omega =
@@ -161,9 +158,8 @@ TEST(FastStepping, takesTenSubstepsAtAnyStiffness) {
   s.stepping = Stepping::fast();
   for (const double stiffness : {1.0, 1e4, 1e8}) {
     s.extensionStiffness = s.compressionStiffness = stiffness;
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = create(system, test::fullCubeNetwork(), s);
+    SoftWorld bullet(0.0);
+    SoftBody* body = create(bullet.system, test::fullCubeNetwork(), s);
     bullet.tick();
     EXPECT_LE(body->substeps(), 10) << stiffness;
     EXPECT_GE(body->substeps(), 2) << stiffness;
@@ -175,13 +171,12 @@ TEST(HangingChain, sagIsExactAtAnyTick) {
   const double mass = 0.1, g = 9.81;
   for (double k : {1e3, 1e5})
     for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 240}) {
-      BulletWorld bullet(-g);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(-g);
       SoftBodySettings s = test::testedSettings();
       s.totalMass = mass * (links + 1);
       s.extensionStiffness = s.compressionStiffness = k;
       s.damping = std::sqrt(k * mass);  // the slowest oscillation then has a damping ratio of about 0.05
-      SoftBody* body = create(system, test::chainNetwork(links), s);
+      SoftBody* body = create(bullet.system, test::chainNetwork(links), s);
       for (std::uint32_t i = 0; i <= static_cast<std::uint32_t>(links); ++i)
         body->point(i)->setActivationState(DISABLE_DEACTIVATION);
       body->pin(0);
@@ -194,12 +189,11 @@ TEST(HangingChain, sagIsExactAtAnyTick) {
 
 TEST(FreeFlight, centreOfMassFollowsTheExactParabola) {
   for (double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
-    BulletWorld bullet(-9.81);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(-9.81);
     SoftBodySettings s = test::testedSettings();
     s.linearVelocity = {1.5, 4.0, -0.5};
     s.angularVelocity = {1.0, 2.0, 3.0};
-    SoftBody* body = create(system, test::cubeNetwork(), s);
+    SoftBody* body = create(bullet.system, test::cubeNetwork(), s);
     bullet.simulate(2.0, dt);
     const Eigen::Vector3d exact =
         2.0 * s.linearVelocity + Eigen::Vector3d(0, -0.5 * double(btScalar(9.81)) * 4.0, 0);
@@ -209,13 +203,12 @@ TEST(FreeFlight, centreOfMassFollowsTheExactParabola) {
 }
 
 TEST(FreeFlight, linearAndAngularMomentumAreKept) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.linearVelocity = {0.3, -0.2, 0.1};
   s.angularVelocity = {3.0, 1.0, -2.0};
   s.scale = {1.0, 1.3, 0.7};
-  SoftBody* body = create(system, test::cubeNetwork(), s);
+  SoftBody* body = create(bullet.system, test::cubeNetwork(), s);
   body->point(0)->applyCentralImpulse(test::vec(0.2, 0.1, 0.3));
   const Eigen::Vector3d p = body->linearMomentum(), l = body->angularMomentum();
   bullet.simulate(10.0);
@@ -225,12 +218,11 @@ TEST(FreeFlight, linearAndAngularMomentumAreKept) {
 }
 
 TEST(FreeFlight, undampedEnergyNeitherGrowsNorFalls) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.damping = 0.0;
   s.angularVelocity = {3.0, 1.0, -2.0};
-  SoftBody* body = create(system, test::fullCubeNetwork(), s);
+  SoftBody* body = create(bullet.system, test::fullCubeNetwork(), s);
   const auto energy = [&] { return test::energyOf(*body); };
   const double start = energy();
   double lowest = start, highest = start;
@@ -257,13 +249,12 @@ TEST(FreeFlight, stiffSpinningBodiesKeepSpinAndEnergy) {
   for (const auto [stiffness, turn, hertz] :
        {Case{1e6, 1.0, 30.0}, Case{1e6, 10.0, 15.0}, Case{1e6, 10.0, 60.0}, Case{1e7, 3.0, 60.0}}) {
     SCOPED_TRACE(testing::Message() << stiffness << " N/m, " << turn << " rad/s, " << hertz << " Hz");
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s = test::testedSettings();
     s.damping = s.sleepingSpeed = 0.0;
     s.extensionStiffness = s.compressionStiffness = stiffness;
     s.angularVelocity = turn * Eigen::Vector3d(1, 2, 0.5);
-    const SoftBody* body = create(system, network, s);
+    const SoftBody* body = create(bullet.system, network, s);
     const Eigen::Vector3d spin = body->angularMomentum();
     const double energy = body->kineticEnergy();
     bullet.simulate(0.8, 1.0 / hertz);
@@ -281,14 +272,13 @@ double energyOf(const SoftBody& body, double gravity) {
 /// of the substep: random ticks would add 3 J in half a minute, a third of the kinetic energy.
 TEST(UndampedCloth, gainsNoEnergyWithTicksOfAnyLength) {
   constexpr double kGravity = 9.81;
-  BulletWorld bullet(-kGravity);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-kGravity);
   SoftBodySettings s = test::testedSettings();
   s.extensionStiffness = s.compressionStiffness = 200.0;
   s.damping = 0.0;
   ClothSettings cells;
   cells.columns = cells.rows = 8;
-  SoftBody* cloth = create(system, *buildCloth(cells), s);
+  SoftBody* cloth = create(bullet.system, *buildCloth(cells), s);
   cloth->pin(0);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> lengths(0.005, 0.05);
@@ -313,14 +303,13 @@ TEST(UndampedRope, thatBearsLittleCompressionGainsNoEnergy) {
   constexpr double kGravity = 9.81;
   for (const double compression : {0.0, 100.0})
     for (const double tolerance : {0.04, 0.004}) {
-      BulletWorld bullet(-kGravity);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(-kGravity);
       SoftBodySettings s = test::testedSettings();
       s.extensionStiffness = 1000.0;
       s.compressionStiffness = compression;
       s.damping = 0.0;
       s.stepping.periodTolerance = tolerance;
-      SoftBody* rope = create(system, *buildRope(), s);
+      SoftBody* rope = create(bullet.system, *buildRope(), s);
       rope->pin(0);
       const double start = energyOf(*rope, kGravity);
       for (int i = 0; i < 1200; ++i) {
@@ -333,8 +322,7 @@ TEST(UndampedRope, thatBearsLittleCompressionGainsNoEnergy) {
 
 /// The same for a spring between a body and a place in the world.
 TEST(UndampedSpring, thatBearsNoCompressionGainsNoEnergy) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 2.0, test::vec(0, 0, 0));
   box->setLinearVelocity(test::vec(0.5, 1, 0.2));
   SpringSettings s;
@@ -342,7 +330,7 @@ TEST(UndampedSpring, thatBearsNoCompressionGainsNoEnergy) {
   s.stiffness = 1000.0;
   s.action = SpringAction::ExtensionOnly;
   const SpringEnd onBox{box, test::vec(0.05, 0.1, 0.03)}, inWorld{nullptr, test::vec(0, 0.5, 0)};
-  ASSERT_TRUE(system.addSpring(onBox, inWorld, s));
+  ASSERT_TRUE(bullet.system.addSpring(onBox, inWorld, s));
   const auto energy = [&] {
     const double stretch = double((box->getWorldTransform() * onBox.pivot - inWorld.pivot).length()) - 0.5;
     return test::kineticEnergyOf(*box) + 500.0 * std::pow(std::max(0.0, stretch), 2);
@@ -356,17 +344,16 @@ TEST(UndampedSpring, thatBearsNoCompressionGainsNoEnergy) {
 
 TEST(StiffCube, movesLikeARigidCubeOfTheSameMass) {
   // flight and rotation under a force at the centre, compared with a rigid body of Bullet
-  BulletWorld bullet(-9.81);
+  SoftWorld bullet(-9.81);
   btRigidBody* rigid = bullet.addBox(btVector3(0.5, 0.5, 0.5), 1.0, btVector3(5, 0, 0));
   // eight corner masses of 1/8 kg at +-0.5 m have the inertia m (0.25 + 0.25)
   rigid->setMassProps(1.0, btVector3(0.5, 0.5, 0.5));
   rigid->setAngularVelocity(btVector3(0, 2, 0));
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = test::testedSettings();
   s.extensionStiffness = s.compressionStiffness = 1e5;
   s.damping = 50.0;
   s.angularVelocity = {0, 2, 0};
-  SoftBody* soft = create(system, test::fullCubeNetwork(), s);
+  SoftBody* soft = create(bullet.system, test::fullCubeNetwork(), s);
   const double dt = 1.0 / 240.0;
   for (int i = 0; i < 240; ++i) {
     rigid->applyCentralForce(btVector3(3, 0, 1));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Anchors and springs to bodies that nothing moves but the user: static, kinematic and frozen ones. Pins.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
@@ -18,6 +18,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 enum class Link { Anchor, Spring };
@@ -84,8 +85,7 @@ TEST(HeldPartners, placedTogetherWithABodyTheyDoNotPullIt) {
 TEST(HeldPartners, areFrozenWhereTheyAre) {
   for (const Link link : {Link::Anchor, Link::Spring})
     for (const Held how : {Held::Static, Held::Kinematic, Held::Disabled}) {
-      SoftBodySettings settings = test::testedSettings();
-      settings.position = {0, 5, 0};
+      SoftBodySettings settings = test::settingsAt({0, 5, 0});
       settings.extensionStiffness = settings.compressionStiffness = 5000.0;
       settings.damping = 10.0;
       LinkedToBox s(test::chainNetwork(8), settings, 8, vec(0, 3.9, 0), link, -9.81);
@@ -143,13 +143,12 @@ std::vector<std::pair<SharedNetwork, SoftBodySettings>> bodiesOnPins() {
 TEST(HeldPartners, carryWhatLiesOnThemWhenTheyArePlacedEachTick) {
   for (const double mass : {5.0, 500.0})
     for (const double tick : {1.0 / 60.0, 1.0 / 120.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       SoftBodySettings s = test::testedSettings();
       s.scale.setConstant(0.4);
       s.damping = 5.0;
       s.position = {0, 1.31, 0};
-      SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), s);
       btRigidBody* tray = bullet.addBox(vec(0.5, 0.1, 0.5), btScalar(mass), vec(0, 1, 0));
       tray->setActivationState(DISABLE_DEACTIVATION);
       for (int i = 0; i * tick < 4.0; ++i) {
@@ -166,9 +165,8 @@ TEST(HeldPartners, carryWhatLiesOnThemWhenTheyArePlacedEachTick) {
 TEST(PinForce, bearsTheWeightAndChangesTheMomentum) {
   constexpr double kShort = 1.0 / 240.0;
   for (const auto& [network, settings] : bodiesOnPins()) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(network, settings);
+    SoftWorld bullet;
+    SoftBody* body = bullet.addSoft(network, settings);
     EXPECT_EQ(body->pinForce(0), vec(0, 0, 0));
     for (const std::uint32_t i : {0u, 3u}) ASSERT_TRUE(body->pin(i));
     bullet.simulate(2.0);

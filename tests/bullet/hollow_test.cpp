@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Closed soft bodies that are hollow keep in what is inside. Solid ones do not.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -16,8 +16,8 @@
 namespace limber {
 namespace {
 
-using test::BulletWorld;
 using test::lowest;
+using test::SoftWorld;
 using test::vec;
 
 SoftBodySettings settingsOf(double mass, double y) {
@@ -41,16 +41,15 @@ SoftBody* addBag(SoftBodySystem& system, double pressure, bool hollow) {
 
 /// Returns the height (m) of the bag's skin below its content after a second and a half.
 double heightInside(double pressure, bool hollow, bool softContent, double tick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* bag = addBag(system, pressure, hollow);
+  SoftBody* bag = addBag(bullet.system, pressure, hollow);
   SoftBody* jelly = nullptr;
   btRigidBody* ball = nullptr;
   if (softContent) {
     SoftBodySettings s = settingsOf(0.5, 0.9);
     s.scale *= 0.3;
-    jelly = *system.createBody(test::closedCubeNetwork(), s);
+    jelly = bullet.addSoft(test::closedCubeNetwork(), s);
   } else {
     ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.15)), 0.5, vec(0, 0.9, 0));
   }
@@ -76,10 +75,9 @@ TEST(Hollow, solidBodiesDoNot) {
 
 TEST(Hollow, mayChangeWhileTheBodyLives) {
   if (!test::kSurface) GTEST_SKIP() << "needs Collision::Surface";
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* bag = addBag(system, 500.0, true);
+  SoftBody* bag = addBag(bullet.system, 500.0, true);
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.15)), 0.5, vec(0, 0.9, 0));
   bullet.simulate(2.0);
   EXPECT_GT(double(ball->getWorldTransform().getOrigin().y()), 0.15 + 0.03);

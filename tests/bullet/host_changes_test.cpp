@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Bullet's filters, and shapes that change under a body at rest.
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -20,10 +20,10 @@ namespace {
 
 using test::BulletWorld;
 using test::kTick;
+using test::SoftWorld;
 
 SoftBodySettings restingAt(double height) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, height, 0};
+  SoftBodySettings s = test::settingsAt({0, height, 0});
   return s;
 }
 
@@ -79,11 +79,10 @@ TEST(OverlapFilter, keepsASleeperAsleep) {
 
 TEST(NoContactResponse, ofTheSoftBodyItselfIsHonoured) {
   if (!test::kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
   btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0.2, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), restingAt(2.0));
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), restingAt(2.0));
   body->surfaceObject()->setCollisionFlags(body->surfaceObject()->getCollisionFlags() |
                                            btCollisionObject::CF_NO_CONTACT_RESPONSE);
   bullet.simulate(1.0);
@@ -95,10 +94,9 @@ TEST(NoContactResponse, betweenSoftBodiesTheOrderOfCreationIsTheSame) {
   if (!test::kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
   for (const bool lowerFirst : {true, false})
     for (const bool ghostIsLower : {true, false}) {
-      BulletWorld bullet(0.0);
-      SoftBodySystem system(*bullet.world);
-      SoftBody* first = *system.createBody(test::closedCubeNetwork(), restingAt(lowerFirst ? 0.0 : 1.3));
-      SoftBody* second = *system.createBody(test::closedCubeNetwork(), restingAt(lowerFirst ? 1.3 : 0.0));
+      SoftWorld bullet(0.0);
+      SoftBody* first = bullet.addSoft(test::closedCubeNetwork(), restingAt(lowerFirst ? 0.0 : 1.3));
+      SoftBody* second = bullet.addSoft(test::closedCubeNetwork(), restingAt(lowerFirst ? 1.3 : 0.0));
       SoftBody *lower = lowerFirst ? first : second, *upper = lowerFirst ? second : first;
       btRigidBody* ghost = (ghostIsLower ? lower : upper)->surfaceObject();
       ghost->setCollisionFlags(ghost->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
@@ -208,16 +206,15 @@ TEST(ChangedShape, anIdThatTheBroadphaseUsesAgainIsAnotherObject) {
 /// Whatever else has changed since the last tick, as here the springs.
 TEST(RemovedObject, endsTheBodyBeforeItIsSearchedForContacts) {
   for (const bool isFirst : {true, false}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     SoftBodySettings s = test::testedSettings();
     s.selfCollision = test::kSurface;
-    SoftBody *cloth = *system.createBody(*buildCloth(), s), *other = *system.createBody(*buildCloth(), s);
-    SpringConstraint* spring = *system.addSpring({nullptr}, {other->point(0)});
+    SoftBody *cloth = bullet.addSoft(*buildCloth(), s), *other = bullet.addSoft(*buildCloth(), s);
+    SpringConstraint* spring = *bullet.system.addSpring({nullptr}, {other->point(0)});
     bullet.tick();
     btRigidBody* object = cloth->surfaceObject() ? cloth->surfaceObject() : cloth->point(3);
     if (isFirst) bullet.world->removeRigidBody(object);
-    ASSERT_TRUE(system.removeSpring(spring));
+    ASSERT_TRUE(bullet.system.removeSpring(spring));
     if (!isFirst) bullet.world->removeRigidBody(object);
     bullet.simulate(0.2);
     EXPECT_FALSE(cloth->alive());

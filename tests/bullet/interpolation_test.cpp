@@ -111,8 +111,7 @@ TEST_F(InterpolationTest, aPinGoesToItsTargetInTheNextTick) {
 TEST_F(InterpolationTest, sleepingBodiesStandStill) {
   bullet.world->setGravity(vec(0, -9.81, 0));
   bullet.addBoxFloor();
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.7, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.7, 0});
   SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
   bullet.simulate(8.0);
   ASSERT_TRUE(body->sleeping());

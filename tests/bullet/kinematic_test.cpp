@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Kinematic bodies carry, push and hit soft bodies, at any speed and for every way to set them up in Bullet.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 using test::BulletWorld;
 using test::kRadius;
 using test::kTick;
+using test::SoftWorld;
 using test::vec;
 
 /// The ways to make a body kinematic and to move it.
@@ -68,8 +69,7 @@ class Mover {
 
 /// Returns settings of a cube with a total mass of 1 kg.
 SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e4) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
+  SoftBodySettings s = test::settingsAt(position);
   s.totalMass = 1.0;
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = 0.2 * std::sqrt(stiffness * 0.125);
@@ -89,11 +89,10 @@ TEST_P(KinematicIdioms, aLiftCarriesACube) {
     for (const double speed : {1.0, 3.0}) {
       // a lift between point masses does not touch them
       if (width < 1.0 && !test::kSurface) continue;
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       const double half = width / 2;
       Mover lift(bullet, std::make_unique<btBoxShape>(vec(half, 0.5, half)), at(vec(0, -0.5, 0)), GetParam());
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+      SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
       double height = 0;
       for (int i = 0; i < 60; ++i) {
         if (i >= 15) height += speed * kTick;
@@ -111,10 +110,9 @@ TEST_P(KinematicIdioms, aLiftCarriesACube) {
 }
 
 TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Mover platform(bullet, std::make_unique<btBoxShape>(vec(1, 0.5, 1)), at(vec(0, -0.5, 0)), GetParam());
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
   double displacement = 0, speed = 0;
   for (int i = 0; i < 90; ++i) {
     // 3 m/s^2, below the limit of 9.81 m/s^2 for a friction of 1
@@ -130,11 +128,10 @@ TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
 
 TEST_P(KinematicIdioms, aBodyThatIsPlacedElsewherePushesNothingOnItsWay) {
   for (const double distance : {3.0, 60.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.addPlaneFloor();
     Mover mover(bullet, std::make_unique<btBoxShape>(vec(0.3, 0.3, 0.3)), at(vec(-1.5, 0.5, 0)), GetParam());
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
     bullet.simulate(1.0);
     const double before = cube->centerOfMass().x();
     mover.moveTo(at(vec(distance - 1.5, 0.5, 0)));
@@ -146,16 +143,15 @@ TEST_P(KinematicIdioms, aBodyThatIsPlacedElsewherePushesNothingOnItsWay) {
 /// A paddle that starts at once at 7 m/s hits a cube in worlds of metres and of centimetres alike.
 TEST(PlacedKinematicBodies, thatOnlyMoveFastAreNotInAnyUnit) {
   for (const double unit : {1.0, 100.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.world->setGravity(vec(0, -9.81 * unit, 0));
-    SoftBodySystem system(*bullet.world);
     Mover paddle(bullet, std::make_unique<btBoxShape>(vec(0.03 * unit, 0.05 * unit, 0.05 * unit)),
                  at(vec(-0.2 * unit, 0.05 * unit, 0)), Idiom::Placed);
     SoftBodySettings s = cubeAt({0, 0.05 * unit, 0}, 1000.0);
     s.scale.setConstant(0.1 * unit);
     s.gravityFactor = 0.0;
     s.pointRadius = 0.003 * unit;
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
     bullet.simulate(0.1);
     for (int i = 1; i <= 6; ++i) {
       paddle.moveTo(at(vec((-0.2 + 7.0 * i / 60.0) * unit, 0.05 * unit, 0)));
@@ -167,12 +163,11 @@ TEST(PlacedKinematicBodies, thatOnlyMoveFastAreNotInAnyUnit) {
 
 TEST(PlacedKinematicBodies, pushNothingAtAnyDistance) {
   for (const double distance : {0.2, 1.0, 3.0, 60.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.addPlaneFloor();
     Mover mover(bullet, std::make_unique<btBoxShape>(vec(0.3, 0.3, 0.3)), at(vec(-0.9, 0.5, 0)),
                 Idiom::Placed);
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
     bullet.simulate(1.0);
     const double before = cube->centerOfMass().x();
     // at 0.2 m, 8 cm deep inside the cube, and only pushed out
@@ -191,13 +186,10 @@ TEST(PlacedKinematicBodies, pushNothingAtAnyDistance) {
 }
 
 TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Mover mover(bullet, std::make_unique<btSphereShape>(btScalar(0.1)), at(vec(0, 3, 0)), Idiom::Placed);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 3, 0};
-  SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
-  ASSERT_TRUE(system.attach(rope, 0, *mover.body()));
+  SoftBody* rope = bullet.addSoft(test::chainNetwork(8), test::settingsAt({0, 3, 0}));
+  ASSERT_TRUE(bullet.system.attach(rope, 0, *mover.body()));
   bullet.simulate(2.0);
   const double energy = test::energyOf(*rope);
   const Vector3d tip = rope->position(8);
@@ -218,10 +210,9 @@ TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
 TEST_P(KinematicIdioms, aMovingPlatformThatIsSetBackTakesACubeAlong) {
   constexpr double kSpeed = 0.5;  // m/s
   for (const double back : {0.3, 1.0, 2.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     Mover platform(bullet, std::make_unique<btBoxShape>(vec(9, 0.5, 9)), at(vec(0, -0.5, 0)), GetParam());
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
     double x = 0;
     for (int i = 0; i < 150; ++i) {
       if (i == 90) {
@@ -246,15 +237,14 @@ TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
   if (GetParam() == Idiom::Asleep) GTEST_SKIP() << "what sleeps is seen to move from its second step on";
   for (const int ticks : {1, 2, 4})
     for (const bool mesh : {false, true}) {
-      BulletWorld bullet;
+      SoftWorld bullet;
       btTriangleMesh triangles;
       triangles.addTriangle(vec(-3, 0.5, -3), vec(3, 0.5, 3), vec(3, 0.5, -3));
       triangles.addTriangle(vec(-3, 0.5, -3), vec(-3, 0.5, 3), vec(3, 0.5, 3));
       std::unique_ptr<btCollisionShape> shape = std::make_unique<btBoxShape>(vec(3, 0.5, 3));
       if (mesh) shape = std::make_unique<btBvhTriangleMeshShape>(&triangles, true);
       Mover lift(bullet, std::move(shape), at(vec(0, -0.5, 0)), GetParam());
-      SoftBodySystem system(*bullet.world);
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius + 0.01, 0}));
+      SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius + 0.01, 0}));
       for (int i = 1; i <= 60 / ticks; ++i) {
         lift.moveTo(at(vec(0, i * ticks * kTick - 0.5, 0)));
         bullet.world->stepSimulation(static_cast<btScalar>(ticks * kTick), ticks,
@@ -268,10 +258,9 @@ TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
   // A sleeping one is at its final pose after the first tick: the number of further ticks is unknown.
   for (const int ticks : {1, 2, 4}) {
     if (GetParam() == Idiom::Asleep && ticks > 1) break;
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0);
     Mover slab(bullet, std::make_unique<btBoxShape>(vec(2, 0.05, 2)), at(vec(0, -1, 0)), GetParam());
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5, 0}));
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0, 0.5, 0}));
     const btScalar tick = btScalar(kTick / ticks);
     double height = -1;
     for (int i = 0; i < 30; ++i) {
@@ -354,14 +343,13 @@ TEST_P(KinematicSlabs, doNotPassABodyAtRest) {
   };
   for (const Shot& shot : {Shot{0.1, 4}, {0.2, 8}, {0.4, 10}, {0.6, 20}})
     for (const double phase : {0.1, 0.6}) {
-      BulletWorld bullet(0);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(0);
       const double half = shot.thickness / 2, displacement = shot.speed * kTick;
       double height = -half - 0.5 - kRadius - (4 + phase) * displacement;
       Mover slab(bullet, slabOf(GetParam(), bullet, vec(1.5, half, 1.5)), at(vec(0, height, 0)),
                  Idiom::Placed);
       SoftBodySettings s = cubeAt({0.1, 0, 0.05}, 1e4);
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
       for (int i = 0; i < 20; ++i) {
         height += displacement;
         slab.moveTo(at(vec(0, height, 0)));
@@ -379,10 +367,9 @@ TEST_P(KinematicSlabs, doNotPassABodyAtRest) {
 
 TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
   for (const double spin : {3.0, 8.0}) {
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0);
     Mover paddle(bullet, slabOf(GetParam(), bullet, vec(1.5, 0.1, 1.5)), at(vec(0, 0, 0)), Idiom::Placed);
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0.7, 1.0, 0}));
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({0.7, 1.0, 0}));
     double angle = 0;
     for (int i = 0; angle < 1.6; ++i) {
       angle += spin * kTick;
@@ -408,11 +395,10 @@ TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
 /// The table speeds up slowly until the centripetal acceleration at the cube is `share` of what friction
 /// holds. `loaded`: with a rigid box on the cube.
 double distanceOnTurntable(Kind kind, double share, bool loaded, double tick) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Mover table(bullet, slabOf(kind, bullet, vec(2.5, 0.1, 2.5)), at(vec(0, -0.1, 0)), Idiom::Placed);
   table.body()->setFriction(btScalar(0.5));
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({1.5, 0.5 + kRadius, 0}));
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeAt({1.5, 0.5 + kRadius, 0}));
   if (loaded) bullet.addBox(vec(0.3, 0.1, 0.3), 0.2, vec(1.5, 1.12 + kRadius, 0))->setFriction(1);
   const double fastest = std::sqrt(share * 0.5 * 9.81 / 1.5), start = 3.0;
   double angle = 0.0, distance = 0.0;
@@ -467,13 +453,12 @@ TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
   const SharedNetwork network = *buildCloth(cells);
   for (const double speed : {5.0, 10.0})
     for (int k = 0; k < 8; ++k) {
-      BulletWorld bullet(0);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(0);
       SoftBodySettings s = cubeAt({0.039 * k, 0, 0.021 * k}, 500);
       s.totalMass = 0.3;
       s.damping = 0.05;
       s.pointRadius.reset();
-      SoftBody* cloth = *system.createBody(network, s);
+      SoftBody* cloth = bullet.addSoft(network, s);
       btTransform pose(btQuaternion(vec(1, 0.3, 0.2).normalized(), btScalar(0.3 + 0.6 * k)), vec(0, -0.6, 0));
       Mover box(bullet, std::make_unique<btBoxShape>(vec(0.2, 0.2, 0.2)), pose, Idiom::Placed);
       for (int i = 0; i * speed * kTick < 1.6; ++i) {
@@ -493,14 +478,13 @@ TEST(StaticBoxes, ofAllSizesHoldTheSpringsOfACloth) {
   ClothSettings cells;
   cells.columns = cells.rows = 12;
   for (const double half : {0.20, 0.21, 0.24, 0.35}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     SoftBodySettings s = cubeAt({0.01, half + 0.05, 0.02}, 500);
     s.totalMass = 0.3;
     s.damping = 0.05;
     s.scale.setConstant(2.0 * half + 0.6);
     s.pointRadius.reset();
-    SoftBody* cloth = *system.createBody(*buildCloth(cells), s);
+    SoftBody* cloth = bullet.addSoft(*buildCloth(cells), s);
     bullet.addBox(vec(half, half, half), 0, vec(0, 0, 0));
     for (int i = 0; i < 60; ++i) {
       bullet.tick();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Light bodies between far heavier ones.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 
 #include <limber/network_builder.h>
 #include <limber/soft_body_system.h>
@@ -16,6 +16,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 constexpr double kClothRadius = 0.01, kHalfHeight = 0.2;
@@ -46,10 +47,9 @@ btRigidBody* addTiltedBox(BulletWorld& bullet, double mass) {
 
 TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
   for (const double mass : {2.0, 20.0}) {  // a point of the cloth has 1 g
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(0.5);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cloth = addCloth(system);
+    SoftBody* cloth = addCloth(bullet.system);
     btRigidBody* box = addTiltedBox(bullet, mass);
     double lowest = 1.0;
     for (int i = 0; i < 300; ++i) {
@@ -112,10 +112,9 @@ double depthIn(const btRigidBody& box, const SoftBody& body) {
 
 TEST(SurfaceMassRatio, aHeavyBoxSinksIntoNoBracedCube) {
   for (const double mass : {20.0, 25.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     const btRigidBody* box = addBoxAbove(bullet, mass);
-    const SoftBody* cube = addBracedCube(system);
+    const SoftBody* cube = addBracedCube(bullet.system);
     double deepest = -1.0;
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
@@ -127,12 +126,11 @@ TEST(SurfaceMassRatio, aHeavyBoxSinksIntoNoBracedCube) {
 }
 
 TEST(SurfaceMassRatio, aKinematicBoxSinksIntoNoBracedCube) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* box = addBoxAbove(bullet, 0.0);
   box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
   box->setActivationState(DISABLE_DEACTIVATION);
-  const SoftBody* cube = addBracedCube(system);
+  const SoftBody* cube = addBracedCube(bullet.system);
   const double start = double(box->getWorldTransform().getOrigin().y()), speed = 0.06, depth = 0.11;
   double deepest = -1.0;
   for (int i = 1; i <= 140; ++i) {
@@ -144,10 +142,9 @@ TEST(SurfaceMassRatio, aKinematicBoxSinksIntoNoBracedCube) {
 }
 
 TEST(SurfaceMassRatio, aKinematicBallSinksIntoNoBracedCube) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  const SoftBody* cube = addBracedCube(system);
+  const SoftBody* cube = addBracedCube(bullet.system);
   const double start = 1.03 * kCubeSize + kHalfBox, speed = 0.06;
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(kHalfBox)), 0.0, vec(0, start, 0));
   ball->setFriction(1);
@@ -174,8 +171,7 @@ TEST(SurfaceMassRatio, aHeavyBallSinksIntoNoTrampoline) {
   constexpr double kBall = 0.3, kThin = 0.005;  // m
   constexpr std::uint32_t kCells = 16;
   for (const double tick : {1.0 / 60.0, 1.0 / 240.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     ClothSettings grid;
     grid.width = grid.depth = 4.0;
     grid.columns = grid.rows = kCells;
@@ -185,7 +181,7 @@ TEST(SurfaceMassRatio, aHeavyBallSinksIntoNoTrampoline) {
     s.damping = s.friction = 0.0;
     s.flow.drag = s.flow.linearDrag = 0.0;
     s.pointRadius = kThin;
-    SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
+    SoftBody* cloth = bullet.addSoft(*buildCloth(grid), s);
     for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) {
       const std::uint32_t x = i % (kCells + 1), z = i / (kCells + 1);
       if (x % kCells == 0 || z % kCells == 0) cloth->pin(i);

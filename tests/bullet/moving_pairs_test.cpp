@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Physical laws of contacts between moving bodies: soft with rigid, soft with soft.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -30,11 +30,11 @@ using test::BulletWorld;
 using test::eigen;
 using test::kTick;
 using test::momentumOf;
+using test::SoftWorld;
 using test::vec;
 
 SoftBodySettings pairBody(const Vector3d& position, const Vector3d& velocity, double stiffness = 1e3) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
+  SoftBodySettings s = test::settingsAt(position);
   s.linearVelocity = velocity;
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = 0.1 * std::sqrt(stiffness);
@@ -160,15 +160,14 @@ TEST(MirroredBodies, oneMirroredAxisOrThreeStandAsTheUnmirroredBodyDoes) {
     SCOPED_TRACE(scale.transpose());
     double heights[2];
     for (const bool mirrored : {false, true}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       bullet.addBoxFloor();
       SoftBody* top = nullptr;
       for (const double y : {0.53, 1.57}) {
         SoftBodySettings s = pairBody({0, y, 0}, {0, 0, 0}, 1e4);
         if (mirrored) s.scale = scale;
         s.damping = 20.0;
-        top = *system.createBody(test::closedCubeNetwork(), s);
+        top = bullet.addSoft(test::closedCubeNetwork(), s);
       }
       btRigidBody* box = bullet.addBox(vec(0.3, 0.1, 0.3), 1.0, vec(0, 2.2, 0));
       bullet.simulate(3.0);
@@ -285,18 +284,15 @@ struct Order {
 /// Returns the centres of mass of both bodies, a second after the upper was thrown onto the lower.
 std::array<Vector3d, 2> finalCentres(const Order& order, const SharedNetwork& upper,
                                      SoftBodySettings settings) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   // damping acts on one spring after the other: its error depends on their order
   SoftBodySettings lower = pairBody({0, 0, 0}, {0, 0, 0});
   lower.damping = settings.damping = 0.0;
   settings.position.x() += order.displacement;
   SoftBody *a = nullptr, *b = nullptr;
-  const auto addLower = [&] {
-    a = *system.createBody(shuffled(test::closedCubeNetwork(), order.seed), lower);
-  };
+  const auto addLower = [&] { a = bullet.addSoft(shuffled(test::closedCubeNetwork(), order.seed), lower); };
   if (!order.swapped) addLower();
-  b = *system.createBody(shuffled(upper, order.seed), settings);
+  b = bullet.addSoft(shuffled(upper, order.seed), settings);
   if (order.swapped) addLower();
   bullet.simulate(1.0);
   return {a->centerOfMass(), b->centerOfMass()};
@@ -348,13 +344,12 @@ TEST(OrderOfBodies, theOrderOfPointsDoesNotMatter) {
 /// Returns the positions of a cloth's points, in the order of the grid, `seconds` after it was dropped on a
 /// static ball.
 std::vector<Vector3d> drapeOnBall(double seconds, const Order& order, double rate = 60.0) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.add(std::make_unique<btSphereShape>(btScalar(0.4)), 0, vec(0, 0, 0));
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = pairBody({0.05 + order.displacement, 0.5, 0.02}, {0, 0, 0}, 500.0);
   s.damping = 0.0;
   const SharedNetwork cloth = *buildCloth(), made = shuffled(cloth, order.seed);
-  SoftBody* body = *system.createBody(made, s);
+  SoftBody* body = bullet.addSoft(made, s);
   bullet.simulate(seconds, 1.0 / rate);
   std::vector<Vector3d> x;
   for (const Vector3d& rest : cloth->restPoints) {
@@ -388,8 +383,7 @@ TEST(DrapeOnBall, neitherOrderNorTickMattersMoreThanANudge) {
 
 /// Returns whether two cubes that collide head-on, each at `speed`, pass through each other.
 bool passThroughEachOther(double speed, unsigned pose, double searchDistance) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   std::mt19937 random(pose);
   std::uniform_real_distribution<double> angle(0.0, 6.28);
   std::vector<SoftBody*> cubes;
@@ -398,7 +392,7 @@ bool passThroughEachOther(double speed, unsigned pose, double searchDistance) {
     s.stepping.searchDistance = searchDistance;
     for (int i = 0; pose > 0 && i < 3; ++i)
       s.rotation = s.rotation * Quaterniond(Eigen::AngleAxisd(angle(random), Vector3d::Unit(i)));
-    cubes.push_back(*system.createBody(test::closedCubeNetwork(), s));
+    cubes.push_back(bullet.addSoft(test::closedCubeNetwork(), s));
   }
   bullet.simulate(0.3);
   const Vector3d momentum = momentumOf(*cubes[0]) + momentumOf(*cubes[1]);
@@ -421,11 +415,10 @@ TEST(FastPairs, whatIsThrownHitsInItsFirstTick) {
   for (const double pathPerTick : {1.7, 3.0, 30.0})
     for (const bool thrownFirst : {true, false})
       for (const bool bothMove : {false, true}) {
-        BulletWorld bullet(0.0);
-        SoftBodySystem system(*bullet.world);
+        SoftWorld bullet(0.0);
         const auto add = [&](bool thrown) {
-          return *system.createBody(test::closedCubeNetwork(),
-                                    pairBody({0, 0, thrown ? 0.6 + 0.5 * pathPerTick : 0.0}, {0, 0, 0}));
+          return bullet.addSoft(test::closedCubeNetwork(),
+                                pairBody({0, 0, thrown ? 0.6 + 0.5 * pathPerTick : 0.0}, {0, 0, 0}));
         };
         SoftBody* first = add(thrownFirst);
         SoftBody* second = add(!thrownFirst);
@@ -444,13 +437,12 @@ TEST(FastPairs, whatIsThrownHitsInItsFirstTick) {
 
 /// Returns the energy (J, 8.88 before) after a rigid ball has hit a soft one, and the rigid one's velocity.
 std::pair<double, Vector3d> leftAfterHit(double rate) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = pairBody({0, 0, 0}, {0, 0, 0});
   s.scale = {0.5, 0.5, 0.5};
   s.damping = 0.0;
   s.friction = 0.0;
-  SoftBody* soft = *system.createBody(ballNetwork(), s);
+  SoftBody* soft = bullet.addSoft(ballNetwork(), s);
   btRigidBody* rigid = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 1.0, vec(-1.2, 0.11, 0.07));
   rigid->setLinearVelocity(vec(std::sqrt(2.0 * 8.88), 0, 0));
   bullet.simulate(1.0, 1.0 / rate);
@@ -464,9 +456,8 @@ TEST(FastPairs, aBoxReleasedJustAboveACubeOnTheFloorIsStoppedInTheSameTick) {
   for (const double size : {0.02, 0.3})
     for (const double hertz : {15.0, 30.0}) {
       SCOPED_TRACE(testing::Message() << size << " m, " << hertz << " Hz");
-      BulletWorld bullet;
+      SoftWorld bullet;
       bullet.addBoxFloor();
-      SoftBodySystem system(*bullet.world);
       SoftBodySettings s = test::testedSettings();
       s.scale = Vector3d::Constant(size);
       s.totalMass = 1e3 * size * size * size;
@@ -476,7 +467,7 @@ TEST(FastPairs, aBoxReleasedJustAboveACubeOnTheFloorIsStoppedInTheSameTick) {
       const SharedNetwork network = *buildNetwork(small_meshes::cube(2));
       const double radius = pointRadius(*network, s), top = size + 2 * radius, half = 0.3 * size;
       s.position.y() = 0.5 * top;
-      (void)*system.createBody(network, s);
+      (void)bullet.addSoft(network, s);
       btRigidBody* box = bullet.addBox(vec(half, half, half), s.totalMass, vec(0, top + half + 5e-4, 0));
       box->setActivationState(DISABLE_DEACTIVATION);
       double deepest = 0.0;
@@ -516,10 +507,9 @@ SoftBodySettings pointsBody(const Vector3d& position, const Vector3d& velocity, 
 /// Lets a pair of points fly at `speed` (m/s) along z towards another pair, which is at rest and `offset` (m)
 /// higher. Returns the momenta (kg m/s) of both after one second.
 std::pair<Vector3d, Vector3d> momentaAfterOneSecond(double speed, double offset) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* left = *system.createBody(test::pairNetwork(), pointsBody({0, 0, -0.53}, {0, 0, speed}, 0.1));
-  SoftBody* right = *system.createBody(test::pairNetwork(), pointsBody({0, offset, 0}, {0, 0, 0}, 0.1));
+  SoftWorld bullet(0.0);
+  SoftBody* left = bullet.addSoft(test::pairNetwork(), pointsBody({0, 0, -0.53}, {0, 0, speed}, 0.1));
+  SoftBody* right = bullet.addSoft(test::pairNetwork(), pointsBody({0, offset, 0}, {0, 0, 0}, 0.1));
   bullet.simulate(1.0);
   return {momentumOf(*left), momentumOf(*right)};
 }
@@ -550,17 +540,16 @@ std::pair<double, double> collideStiffCubes(double speed, unsigned attitude) {
   std::mt19937 random(attitude);
   std::normal_distribution<double> normal;
   const auto randomVector = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = pointsBody({0, 0, 0}, {speed, 0, 0}, 0.15);
   s.rotation = Eigen::AngleAxisd(2.0, randomVector().normalized());
   s.angularVelocity = 3.0 * randomVector();
-  SoftBody* left = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* left = bullet.addSoft(test::closedCubeNetwork(), s);
   s.position = 0.2 * randomVector();
   s.position.x() = 2.0;
   s.linearVelocity = {-speed, 0, 0};
   s.rotation = Eigen::AngleAxisd(2.0, randomVector().normalized());
-  SoftBody* right = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* right = bullet.addSoft(test::closedCubeNetwork(), s);
   const double start = test::energyOf(*left) + test::energyOf(*right);
   const Vector3d momentum = momentumOf(*left) + momentumOf(*right);
   double largest = 0.0;
@@ -582,10 +571,9 @@ TEST(PointPairs, theirMeetingMakesNoEnergy) {
 }
 
 TEST(PointPairs, bothTellWhatTheyBear) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* left = *system.createBody(test::pairNetwork(), pointsBody({0, 0, -0.21}, {0, 0, 1}, 0.1));
-  SoftBody* right = *system.createBody(test::pairNetwork(), pointsBody({0, 0, 0}, {0, 0, 0}, 0.1));
+  SoftWorld bullet(0.0);
+  SoftBody* left = bullet.addSoft(test::pairNetwork(), pointsBody({0, 0, -0.21}, {0, 0, 1}, 0.1));
+  SoftBody* right = bullet.addSoft(test::pairNetwork(), pointsBody({0, 0, 0}, {0, 0, 0}, 0.1));
   Vector3d impulseOnLeft = Vector3d::Zero(), impulseOnRight = Vector3d::Zero();
   double impulseInBullet = 0.0;
   for (int tick = 0; tick < 10; ++tick) {

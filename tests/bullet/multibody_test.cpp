@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of soft bodies with links of multibodies, which react through their joints, and with ghosts.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -29,6 +29,7 @@ using test::BulletWorld;
 using test::eigen;
 using test::kRadius;
 using test::kTick;
+using test::SoftWorld;
 using test::vec;
 
 /// A world with the multibodies that a test adds.
@@ -92,8 +93,7 @@ struct MultiBodyWorld : BulletWorld {
 };
 
 SoftBodySettings cubeBesideLinksAt(const Vector3d& position, double friction = 0.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
+  SoftBodySettings s = test::settingsAt(position);
   s.totalMass = 1.0;
   s.extensionStiffness = s.compressionStiffness = 1e4;
   s.damping = 5.0;
@@ -139,8 +139,7 @@ TEST(MultiBody, aSlowLinkWakesASleepingBody) {
   MultiBodyWorld bullet(-9.81);
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.52, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.52, 0});
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
   for (int i = 0; i < 600 && !cube->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(cube->sleeping());
@@ -519,9 +518,8 @@ TEST(MultiBodies, aDoorThatIsHitStopsAtItsLimit) {
 
 TEST(MultiBodies, aMovingCharacterPushesACubeASensorDoesNot) {
   for (const bool sensor : {false, true}) {
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeBesideLinksAt({0, 0, 0}));
+    SoftWorld bullet(0);
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), cubeBesideLinksAt({0, 0, 0}));
     btCapsuleShape capsule(btScalar(0.3), btScalar(1));
     btPairCachingGhostObject ghost;
     ghost.setCollisionShape(&capsule);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // A tick on several threads: the same bits, each task once, no allocation, with any parallel function.
 #include "support/allocation_counter.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -23,6 +23,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 
 // --- the pool ----------------------------------------------------------------------------------------------
 
@@ -113,8 +114,7 @@ struct Fair {
   }
 
   SoftBodySettings at(double x, double y, double z) const {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {x, y, z};
+    SoftBodySettings s = test::settingsAt({x, y, z});
     return s;
   }
 
@@ -253,8 +253,7 @@ struct TogetherScene {
   void addCloth(bool withBoxes) {
     ClothSettings cloth;
     cloth.columns = cloth.rows = 24;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.15, 0};
+    SoftBodySettings s = test::settingsAt({0, 1.15, 0});
     SoftBody* body = *system.createBody(*buildCloth(cloth), s);
     body->pin(0);
     bullet.add(std::make_unique<btSphereShape>(btScalar(0.4)), 0, test::vec(0, 0.7, 0));
@@ -265,8 +264,7 @@ struct TogetherScene {
   /// Its cubes touch on all sides: about a thousand contacts, which the threads solve in slabs.
   void addPile() {
     for (int i = 0; i < 150; ++i) {
-      SoftBodySettings s = test::testedSettings();
-      s.position = {1.035 * (i % 5), 0.53 + 1.035 * (i / 25), 1.035 * (i / 5 % 5)};
+      SoftBodySettings s = test::settingsAt({1.035 * (i % 5), 0.53 + 1.035 * (i / 25), 1.035 * (i / 5 % 5)});
       (void)*system.createBody(test::closedCubeNetwork(), s);
     }
   }
@@ -324,19 +322,17 @@ TEST(ParallelTick, holdsForAllSystemsOfTheWorld) {
 }
 
 TEST(ParallelTick, leavesTheThreadsAloneInSmallWorlds) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   int calls = 0;
-  system.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
+  bullet.system.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
     ++calls;
     for (std::size_t i = 0; i < count; ++i) task(i);
   });
   const auto add = [&](int first, int end) {
     for (int i = first; i < end; ++i) {
-      SoftBodySettings s = test::testedSettings();
-      s.position = {1.5 * (i % 20), 1.0, 1.5 * (i / 20)};
-      (void)*system.createBody(test::closedCubeNetwork(), s);
+      SoftBodySettings s = test::settingsAt({1.5 * (i % 20), 1.0, 1.5 * (i / 20)});
+      (void)bullet.addSoft(test::closedCubeNetwork(), s);
     }
   };
   add(0, 20);
@@ -348,15 +344,12 @@ TEST(ParallelTick, leavesTheThreadsAloneInSmallWorlds) {
 }
 
 TEST(ParallelTick, allocatesNothingAfterWarmUp) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   ThreadPool pool(2);
-  system.setParallelFor(pool.parallelFor());
+  bullet.system.setParallelFor(pool.parallelFor());
   const auto add = [&](const SharedNetwork& network, double x) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {x, 1.0, 0};
-    SoftBody* body = *system.createBody(network, s);
+    SoftBody* body = bullet.addSoft(network, test::settingsAt({x, 1.0, 0}));
     body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   };
   for (int i = 0; i < 12; ++i) add(test::cubeNetwork(), 1.5 * i);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Soft bodies under, on and between rigid bodies that move: rest heights, joints, impacts, sliding.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/stepped_body.h"
 #include "support/tested_way.h"
 
@@ -23,12 +23,12 @@ using test::BulletWorld;
 using test::kGravity;
 using test::kRadius;
 using test::momentumOf;
+using test::SoftWorld;
 using test::vec;
 
 /// Returns settings of a cube of 1 kg that brings objects on it to rest in a few seconds.
 SoftBodySettings dampedSettings(double stiffness, double height, double friction = 0.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, height, 0};
+  SoftBodySettings s = test::settingsAt({0, height, 0});
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = 0.2 * std::sqrt(stiffness * 0.125);
   s.friction = friction;
@@ -60,11 +60,10 @@ double top(const SoftBody& body) {
 TEST(DynamicPartner, isFoundByEveryPointThatAForceThrowsAtIt) {
   if (!test::kSurface) GTEST_SKIP() << "Bullet's own contacts stop the points";
   for (const std::uint32_t point : {0u, 7u}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s = test::testedSettings();
     s.pointRadius = kRadius;
-    SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(test::cubeNetwork(), s);
     const double side = cube->position(point).x() > 0 ? 1.0 : -1.0;
     btRigidBody* plate = bullet.addBox(vec(0.02, 3, 3), 20.0, vec(side * 0.75, 0, 0));
     plate->setActivationState(DISABLE_DEACTIVATION);
@@ -108,10 +107,9 @@ double cubeHeight(double stiffness, double load) {
 TEST(Partners, aBoxRestsOnACubeAtTheHeightThatStaticsAsksFor) {
   for (const double stiffness : {1e3, 1e4, 1e5})
     for (const double mass : {0.01, 1.0}) {
-      BulletWorld bullet;
+      SoftWorld bullet;
       bullet.addBoxFloor();
-      SoftBodySystem system(*bullet.world);
-      addDampedCube(system, stiffness, 0.5 + kRadius);
+      addDampedCube(bullet.system, stiffness, 0.5 + kRadius);
       btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1);
       bullet.simulate(8.0);
       const double expected = cubeHeight(stiffness, mass * kGravity) + 2 * kRadius + 0.1;
@@ -122,13 +120,12 @@ TEST(Partners, aBoxRestsOnACubeAtTheHeightThatStaticsAsksFor) {
 
 TEST(Partners, heavyBoxesRestOnStiffCubesToo) {
   for (const double mass : {10.0, 100.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     // friction keeps the box from slipping off; it also carries a small part of the load
     SoftBodySettings s = dampedSettings(1e5, 0.5 + kRadius, 1.0);
     s.damping *= 20;
-    (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
+    (bullet.addSoft(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
     btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 0.5);
     bullet.simulate(15.0);
     const double expected = cubeHeight(1e5, mass * kGravity) + 2 * kRadius + 0.1;
@@ -140,11 +137,10 @@ TEST(Partners, heavyBoxesRestOnStiffCubesToo) {
 TEST(Partners, aCubeRestsOnAFreeBoxAsOnTheFloor) {
   for (const double stiffness : {1e3, 1e4, 1e5})
     for (const double mass : {0.01, 1.0, 100.0}) {
-      BulletWorld bullet;
+      SoftWorld bullet;
       bullet.addBoxFloor();
-      SoftBodySystem system(*bullet.world);
       btRigidBody* box = addBox(bullet, mass, 0.1, 0.5);
-      SoftBody* cube = addDampedCube(system, stiffness, 0.2 + 0.5 + kRadius);
+      SoftBody* cube = addDampedCube(bullet.system, stiffness, 0.2 + 0.5 + kRadius);
       bullet.simulate(8.0);
       // Contacts are slightly compliant, most of all between light bodies below and heavy ones above.
       // Required are 5e-5 m at mass ratio 1 and 1e-3 m at 1:100.
@@ -157,13 +153,12 @@ TEST(Partners, aCubeRestsOnAFreeBoxAsOnTheFloor) {
 
 TEST(Partners, cubesAndPlatesStackUp) {
   for (const double mass : {0.1, 1.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
     std::vector<SoftBody*> cubes;
     double floor = 0, expected = 0;
     for (int i = 0; i < 3; ++i) {
-      cubes.push_back(addDampedCube(system, 1e4, floor + 0.5 + kRadius, 0.5));
+      cubes.push_back(addDampedCube(bullet.system, 1e4, floor + 0.5 + kRadius, 0.5));
       floor += 1 + 2 * kRadius;
       const double above = (2 - i) * (1.0 + mass) * kGravity;
       expected += cubeHeight(1e4, above) + 2 * kRadius;
@@ -208,12 +203,11 @@ struct StackOfPads {
   }
 
   SoftBody* addPad(const SharedNetwork& network, double stiffness, double center) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = test::settingsAt({0, kSize * center, 0});
     s.totalMass = kMass;
     s.extensionStiffness = s.compressionStiffness = stiffness * kWeight / kSize;
     s.damping = 0.6 * std::sqrt(s.extensionStiffness * kMass / 50.0);
     s.scale = kSize * Eigen::Vector3d(1.0, 0.2, 1.0);
-    s.position = {0, kSize * center, 0};
     s.pointRadius = 0.01 * kSize;
     s.sleepingSpeed = 0.0;
     return *system.createBody(network, s);
@@ -244,10 +238,9 @@ TEST(Partners, noBoxFallsThroughAStiffThinPadOfAStack) {
 
 TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
   for (const int count : {3, 5, 10}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
-    addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
+    addDampedCube(bullet.system, 1e4, 0.5 + kRadius, 0.5);
     std::vector<btRigidBody*> boxes;
     for (int i = 0; i < count; ++i)
       boxes.push_back(addBox(bullet, 0.1, 1 + 2 * kRadius + 0.1 + 0.2 * i, 1.0));
@@ -270,13 +263,12 @@ TEST(Partners, pilesOfBoxesStandOnACubeAndDoNotSway) {
 TEST(Partners, aHingedLidLeansOnACube) {
   // A lid of 10 kg has a hinge at one side. A cube at the other carries half of its weight.
   const double stiffness = 1e4;
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = dampedSettings(stiffness, 0.5 + kRadius, 0.5);
   s.position.x() = -0.2;
   s.damping *= 10;
-  (*system.createBody(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  (bullet.addSoft(test::fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
   const double y = 1 + 2 * kRadius + 0.05;
   btRigidBody* lid = bullet.addBox(vec(2.0, 0.05, 0.6), 10.0, vec(-2.0 + 0.5, y, 0));
   lid->setActivationState(DISABLE_DEACTIVATION);
@@ -301,15 +293,14 @@ TEST(Partners, aHingedLidLeansOnACube) {
 
 TEST(Partners, aPlateHungFromAnotherBelowACube) {
   // The cube is on a plate that is fixed to a second one: bodies on joints also carry.
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* anchor = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(2, 3, 0));
   btRigidBody* plate = addBox(bullet, 1.0, 1.0, 0.5);
   btTransform inAnchor = btTransform::getIdentity(), inPlate = btTransform::getIdentity();
   inAnchor.setOrigin(vec(-2, -2, 0));
   btFixedConstraint joint(*anchor, *plate, inAnchor, inPlate);
   bullet.world->addConstraint(&joint);
-  SoftBody* cube = addDampedCube(system, 1e4, 1.1 + 0.5 + kRadius);
+  SoftBody* cube = addDampedCube(bullet.system, 1e4, 1.1 + 0.5 + kRadius);
   bullet.simulate(8.0);
   EXPECT_NEAR(height(*plate), 1.0, 2e-5);
   EXPECT_NEAR(top(*cube), height(*plate) + 0.1 + kRadius + cubeHeight(1e4, 0), 5e-5);
@@ -321,9 +312,8 @@ TEST(Partners, aPlateHungFromAnotherBelowACube) {
 TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
   for (const double stiffness : {1e3, 1e4, 1e5})
     for (const double mass : {0.1, 1.0, 10.0}) {
-      BulletWorld bullet(0.0);
-      SoftBodySystem system(*bullet.world);
-      SoftBody* cube = addDampedCube(system, stiffness, 0.0, 0.5);
+      SoftWorld bullet(0.0);
+      SoftBody* cube = addDampedCube(bullet.system, stiffness, 0.0, 0.5);
       btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.7), mass, vec(-1.2, 0.3, 0.1));
       box->setActivationState(DISABLE_DEACTIVATION);
       box->setLinearVelocity(vec(3, 0, 0));
@@ -341,12 +331,11 @@ TEST(Partners, aHitInFreeSpaceKeepsMomentumAndGainsNoEnergy) {
 
 TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
   for (const double mass : {0.1, 1.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* lower = addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* lower = addDampedCube(bullet.system, 1e4, 0.5 + kRadius, 0.5);
     btRigidBody* plate = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 1.0);
-    SoftBody* upper = addDampedCube(system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
+    SoftBody* upper = addDampedCube(bullet.system, 1e4, 1.2 + 2 * kRadius + 0.5 + kRadius, 0.5);
     const auto energy = [&] {
       double sum = test::energyOf(*plate, kGravity);
       for (const SoftBody* cube : {lower, upper}) sum += test::energyOf(*cube, kGravity);
@@ -367,8 +356,7 @@ TEST(Partners, atRestForAMinuteNoEnergyIsGained) {
 
 TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
   for (const double ratio : {0.97, 1.03}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     const double slope = std::atan(0.5 * ratio);
     // gravity is tilted instead of the plate, which is heavy and fixed by a joint
     bullet.world->setGravity(vec(kGravity * std::sin(slope), -kGravity * std::cos(slope), 0));
@@ -378,7 +366,7 @@ TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
     btFixedConstraint joint(*plate, btTypedConstraint::getFixedBody(), btTransform::getIdentity(),
                             btTransform(btQuaternion::getIdentity(), vec(0, -0.1, 0)));
     bullet.world->addConstraint(&joint);
-    SoftBody* cube = addDampedCube(system, 1e4, 0.5 + kRadius, 0.5);
+    SoftBody* cube = addDampedCube(bullet.system, 1e4, 0.5 + kRadius, 0.5);
     bullet.simulate(1.0);
     const double before = cube->linearMomentum().x();
     bullet.simulate(2.0);
@@ -389,12 +377,11 @@ TEST(Partners, slidesOnATiltedPlateByCoulombsLaw) {
 }
 
 TEST(Partners, aSleepingBoxWakesWhenACubeFallsOnIt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 1.0, 0.1, 0.5);
   box->forceActivationState(ISLAND_SLEEPING);
-  SoftBody* cube = addDampedCube(system, 1e4, 1.5, 0.5);
+  SoftBody* cube = addDampedCube(bullet.system, 1e4, 1.5, 0.5);
   bullet.simulate(0.2);
   EXPECT_FALSE(box->isActive());
   bullet.simulate(3.0);
@@ -422,8 +409,7 @@ double distanceFrom(const SoftBody& cloth, const Eigen::Vector3d& place) {
 TEST(Partners, ballsThatTouchEachOtherLieOnACloth) {
   if (!test::kSurface) GTEST_SKIP() << "it has no triangles";
   constexpr double kBall = 0.04, kHalf = 0.4;
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   ClothSettings cloth;
   cloth.width = cloth.depth = 2.0 * kHalf;
   cloth.columns = cloth.rows = 16;
@@ -433,7 +419,7 @@ TEST(Partners, ballsThatTouchEachOtherLieOnACloth) {
   s.compressionStiffness = 200.0;
   s.damping = 0.5;
   s.pointRadius = kRadius;
-  SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+  SoftBody* body = bullet.addSoft(*buildCloth(cloth), s);
   std::vector<Eigen::Vector3d> rest;
   for (std::uint32_t i = 0; i < body->pointCount(); ++i) rest.push_back(body->position(i));
   std::vector<std::uint32_t> border;
@@ -456,11 +442,10 @@ TEST(Partners, ballsThatTouchEachOtherLieOnACloth) {
 }
 
 TEST(Partners, bulletsManifoldsSayWhatRigidContactsBear) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   btRigidBody* box = addBox(bullet, 2.0, 0.1, 0.5);
-  addDampedCube(system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
+  addDampedCube(bullet.system, 1e4, 0.2 + 0.5 + kRadius, 0.5);
   bullet.simulate(4.0);
   double impulse = 0;
   for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
@@ -487,11 +472,10 @@ void addAhead(BulletWorld& bullet, SoftBodySystem& system, Ahead kind, double z)
   }
   RopeSettings shape;
   shape.length = 2.0;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({0, -1, z});
   s.extensionStiffness = 1e4;
   s.pointRadius = kRadius;
   s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Eigen::Vector3d::UnitZ());
-  s.position = {0, -1, z};
   ASSERT_TRUE(system.createBody(*buildRope(shape), s));
 }
 
@@ -502,15 +486,13 @@ TEST(Bowstring, thatIsLetGoHitsWhatIsInItsWay) {
   for (const Ahead kind : {Ahead::Rod, Ahead::HeavyRod, Ahead::Rope})
     for (const double gap : {0.05, 0.1})
       for (const double tick : {1.0 / 60.0, 1.0 / 30.0}) {
-        BulletWorld bullet(0.0);
-        SoftBodySystem system(*bullet.world);
-        SoftBodySettings s = test::testedSettings();
+        SoftWorld bullet(0.0);
+        SoftBodySettings s = test::settingsAt({-0.5, 0, 0});
         s.extensionStiffness = 1000.0;
         s.compressionStiffness = 0.0;
         s.totalMass = 0.1;
         s.pointRadius = kRadius;
-        s.position = {-0.5, 0, 0};
-        SoftBody* string = *system.createBody(*buildRope({}), s);
+        SoftBody* string = bullet.addSoft(*buildRope({}), s);
         const std::uint32_t last = string->pointCount() - 1, middle = last / 2;
         for (const std::uint32_t i : {0u, middle, last}) ASSERT_TRUE(string->pin(i));
         for (int i = 1; i <= 60; ++i) {
@@ -518,7 +500,7 @@ TEST(Bowstring, thatIsLetGoHitsWhatIsInItsWay) {
           bullet.tick();
         }
         bullet.simulate(1.0);
-        addAhead(bullet, system, kind, -kDraw + 2.0 * kRadius + gap);
+        addAhead(bullet, bullet.system, kind, -kDraw + 2.0 * kRadius + gap);
         for (int i = 0; i < 3; ++i) bullet.tick(tick);
         ASSERT_TRUE(string->unpin(middle));
         btVector3 impulse(0, 0, 0);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // A kinematic hand that presses something farther than it can yield: the forces stay finite.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -16,6 +16,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 /// A box that moves down to a height and stays there.
@@ -55,8 +56,7 @@ double forceBetween(const BulletWorld& bullet, const btRigidBody* a, const btRig
 /// 70 N at 1/60 s, as its impulses end after ten iterations; here they end with the softness of contacts.
 TEST(Pressed, aBlockOnTheFloorIsNotShotAway) {
   for (const double tick : {1.0 / 60, 1.0 / 240}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.addBoxFloor();
     btRigidBody* block = bullet.addBox(vec(0.1, 0.03, 0.1), 1.0, vec(0, 0.03, 0));
     block->setActivationState(DISABLE_DEACTIVATION);
@@ -66,7 +66,7 @@ TEST(Pressed, aBlockOnTheFloorIsNotShotAway) {
     s.scale.setConstant(0.06);
     s.pointRadius = 0.001;
     s.position = {0.1315, 0.031, 0};
-    SoftBody* jelly = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* jelly = bullet.addSoft(test::closedCubeNetwork(), s);
     Hand hand(bullet, vec(0.03, 0.03, 0.03), vec(-0.05, 0.12, 0));
     double fastest = 0.0, strongest = 0.0;
     for (double t = 0.0; t < 2.0; t += tick) {
@@ -85,21 +85,19 @@ TEST(Pressed, aBlockOnTheFloorIsNotShotAway) {
 
 /// Points between the hand and the floor, closer than the cloth is thick.
 TEST(Pressed, aClothOnTheFloorIsNotPressedEverHarder) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btStaticPlaneShape plane(vec(0, 1, 0), 0);
   btRigidBody floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane));
   bullet.world->addRigidBody(&floor);
   ClothSettings cloth;
   cloth.width = cloth.depth = 0.4;
   cloth.columns = cloth.rows = 14;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({0, 0.00404, 0});
   s.totalMass = 0.1;
   s.extensionStiffness = s.compressionStiffness = 500.0;
   s.damping = 0.05;
   s.pointRadius = 0.004;
-  s.position = {0, 0.00404, 0};
-  SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+  SoftBody* body = bullet.addSoft(*buildCloth(cloth), s);
   Hand hand(bullet, vec(0.03, 0.02, 0.03), vec(0, 0.06, 0));
   const auto press = [&](double seconds) {
     for (double t = 0.0; t < seconds; t += 1.0 / 60) {

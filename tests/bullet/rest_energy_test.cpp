@@ -19,10 +19,9 @@ using test::kGravity;
 
 void expectLastingRest(BulletWorld& bullet, double stiffness) {
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({0.1, 0.8, 0.05});
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = 0.1 * 2.0 * std::sqrt(stiffness * 0.125);
-  s.position = {0.1, 0.8, 0.05};
   s.sleepingSpeed = 0.0;
   SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
   const double radius = pointRadius(body->network(), s);

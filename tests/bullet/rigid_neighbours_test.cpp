@@ -2,9 +2,9 @@
 // Rigid bodies that touch or carry soft bodies or hang on them. Bullet acts on them before, during and after
 // the plugin's part of a tick.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -24,6 +24,7 @@ namespace {
 
 using test::BulletWorld;
 using test::eigen;
+using test::SoftWorld;
 using test::vec;
 
 double heightOf(const btRigidBody& body) { return double(body.getWorldTransform().getOrigin().y()); }
@@ -49,8 +50,7 @@ struct CubeAtAStack {
     lower = addAwakeBox(bullet, 0.5, 1.0, vec(0, 0.5, 0));
     upper = addAwakeBox(bullet, 0.5, 1.0, vec(0, 1.5, 0));
     system = std::make_unique<SoftBodySystem>(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {1.02, 0.52, 0};
+    SoftBodySettings s = test::settingsAt({1.02, 0.52, 0});
     s.damping = 10;
     cube = *system->createBody(test::cubeNetwork(), s);
     bullet.simulate(0.5);
@@ -113,15 +113,14 @@ TEST(RigidNeighbours, mayGoInATickBeforeTheSystemHearsOfItsEnd) {
 // --- links -------------------------------------------------------------------------------------------------
 
 TEST(RigidNeighbours, ofTwoLinksOneMayGoInTheTickInWhichTheOtherComes) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   btRigidBody* first = addAwakeBox(bullet, 0.1, 1.0, vec(0, 0, 0));
   btRigidBody* second = addAwakeBox(bullet, 0.1, 1.0, vec(0, 0, 2));
-  SoftBodySystem system(*bullet.world);
   SpringSettings s;
   s.restLength = 0.5;
   s.stiffness = 10;
-  ASSERT_TRUE(system.addSpring({first}, {nullptr, vec(1, 0, 0)}, s));
-  ASSERT_TRUE(system.addSpring({second}, {nullptr, vec(1, 0, 2)}, s));
+  ASSERT_TRUE(bullet.system.addSpring({first}, {nullptr, vec(1, 0, 0)}, s));
+  ASSERT_TRUE(bullet.system.addSpring({second}, {nullptr, vec(1, 0, 2)}, s));
   bullet.world->removeRigidBody(second);
   bullet.tick();
   bullet.world->removeRigidBody(first);
@@ -134,16 +133,15 @@ TEST(RigidNeighbours, ofTwoLinksOneMayGoInTheTickInWhichTheOtherComes) {
 
 TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
   // two springs are attached to a body that is static at first; when it becomes dynamic, it connects them
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   btRigidBody* middle = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(0, 0, 0));
   btRigidBody* left = addAwakeBox(bullet, 0.1, 1.0, vec(-1, 0, 0));
   btRigidBody* right = addAwakeBox(bullet, 0.1, 1.0, vec(1, 0, 0));
-  SoftBodySystem system(*bullet.world);
   SpringSettings s;
   s.restLength = 0.5;
   s.stiffness = 10;
-  ASSERT_TRUE(system.addSpring({left}, {middle}, s));
-  ASSERT_TRUE(system.addSpring({right}, {middle}, s));
+  ASSERT_TRUE(bullet.system.addSpring({left}, {middle}, s));
+  ASSERT_TRUE(bullet.system.addSpring({right}, {middle}, s));
   bullet.tick();
   bullet.world->removeRigidBody(middle);
   middle->setMassProps(1.0, vec(0.01, 0.01, 0.01));
@@ -166,15 +164,13 @@ TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
 /// Returns the speed (m/s) of a point after it has hit the floor at 2 m/s. Optionally a tiny box flies next
 /// to it and touches nothing.
 double rebound(bool withCrumb) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   bullet.addBoxFloor()->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.2, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.2, 0});
   s.linearVelocity = {0, -2, 0};
   s.restitution = 1;
   s.damping = 0;
-  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::pairNetwork(), s);
   if (withCrumb) {
     const double distance = double(body->point(0)->getCollisionShape()->getMargin()) + 0.006;
     const btVector3 position = body->point(0)->getWorldTransform().getOrigin() + vec(0, distance + 0.1, 0);
@@ -192,15 +188,14 @@ double rebound(bool withCrumb) {
 /// loses a quarter of its energy at 1/60 s in ten seconds.
 TEST(RigidNeighbours, thatTumbleOnASpringKeepEnergyAndAngularMomentum) {
   for (const double tick : {1.0 / 240, 1.0 / 60, 1.0 / 30}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.world->setGravity(vec(0, 0, 0));
-    SoftBodySystem system(*bullet.world);
     btRigidBody* box = bullet.addBox(vec(0.3, 0.6, 1.0), 3, vec(0, 0, 0));
     box->setActivationState(DISABLE_DEACTIVATION);
     box->setAngularVelocity(vec(2, 1, 3));
     SpringSettings weak;
     weak.stiffness = 1e-6;
-    ASSERT_TRUE(system.addSpring({box, vec(0.1, 0, 0)}, {nullptr, vec(3, 0, 0)}, weak));
+    ASSERT_TRUE(bullet.system.addSpring({box, vec(0.1, 0, 0)}, {nullptr, vec(3, 0, 0)}, weak));
     const auto momentum = [&] {
       const btMatrix3x3 inertia = box->getInvInertiaTensorWorld().inverse();
       return Eigen::Vector3d(eigen(inertia * box->getAngularVelocity()));
@@ -228,10 +223,9 @@ struct StackBesideACube {
 
   explicit StackBesideACube(bool twoSystems) {
     bullet.addBoxFloor();
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = test::settingsAt({0, 0.5 + test::kRadius, 0});
     s.extensionStiffness = s.compressionStiffness = 1e4;
     s.damping = 10;
-    s.position = {0, 0.5 + test::kRadius, 0};
     s.pointRadius = test::kRadius;
     carrier = *first.createBody(test::fullCubeNetwork(), s);
     s.position.x() = 5;
@@ -348,17 +342,15 @@ TEST(RigidNeighbours, fallingOnABoardOnSpringsReboundAlikeAtAnyTick) {
 /// The floor stops a box within the tick of the hit, and so the end of the rope on it.
 TEST(RigidNeighbours, thatHitTheFloorKeepWhatIsAttachedToThem) {
   for (const bool plane : {true, false}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     plane ? bullet.addPlaneFloor() : bullet.addBoxFloor();
     btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 2, 0));
     box->setLinearVelocity(vec(0, -7, 0));
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 3.3, 0};
+    SoftBodySettings s = test::settingsAt({0, 3.3, 0});
     s.linearVelocity = {0, -7, 0};
     s.totalMass = 0.2;
-    SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
-    ASSERT_TRUE(system.attach(rope, 8, *box));
+    SoftBody* rope = bullet.addSoft(test::chainNetwork(8), s);
+    ASSERT_TRUE(bullet.system.attach(rope, 8, *box));
     const btVector3 pivot(0, btScalar(rope->position(8).y() - 2.0), 0);
     for (int i = 0; i < 40; ++i) {
       bullet.tick();
@@ -373,8 +365,7 @@ TEST(RigidNeighbours, thatHitTheFloorKeepWhatIsAttachedToThem) {
 /// the energy that joints add must not take the work of the palm.
 TEST(RigidNeighbours, onAnAcceleratingPalmMoveAsFastAsTheirVelocitySays) {
   constexpr double kAcceleration = 0.5, kMass = 0.5;
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* palm = bullet.addBox(vec(0.02, 0.02, 0.02), 0.0, vec(0, -3, 0));
   palm->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
   palm->setActivationState(DISABLE_DEACTIVATION);
@@ -384,12 +375,11 @@ TEST(RigidNeighbours, onAnAcceleratingPalmMoveAsFastAsTheirVelocitySays) {
   btTransform atPalm(btQuaternion::getIdentity(), vec(0, 3, 0));
   btFixedConstraint grip(*palm, *plate, atPalm, atPlate);
   bullet.world->addConstraint(&grip, true);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.51 + test::kRadius, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.51 + test::kRadius, 0});
   s.pointRadius = test::kRadius;
   s.totalMass = kMass;
   s.damping = 5.0;
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
   double height = -3.0, speed = 0.0, last = 0.0, momentum = 0.0;
   for (int i = 0; i < 120; ++i) {
     if (i > 30) speed += kAcceleration * test::kTick;
@@ -412,16 +402,14 @@ TEST(RigidNeighbours, onAnAcceleratingPalmMoveAsFastAsTheirVelocitySays) {
 TEST(RigidNeighbours, madeOnAPlaneUnderASoftBodyStayThere) {
   for (const double stiffness : {1e3, 1e6})
     for (const double half : {1.0, 5.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       bullet.addPlaneFloor();
       btRigidBody* plank = bullet.addBox(vec(half, 0.1, half), 50.0, vec(0, 0.1, 0));
-      SoftBodySettings s = test::testedSettings();
-      s.position = {0, 0.7 + test::kRadius, 0};
+      SoftBodySettings s = test::settingsAt({0, 0.7 + test::kRadius, 0});
       s.pointRadius = test::kRadius;
       s.extensionStiffness = s.compressionStiffness = stiffness;
       s.damping = 0.02 * std::sqrt(stiffness);
-      ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+      ASSERT_TRUE(bullet.system.createBody(test::closedCubeNetwork(), s));
       double highest = 0.0;
       for (int i = 0; i < 120; ++i) {
         bullet.tick();
@@ -453,8 +441,7 @@ TEST(RigidNeighbours, ofGImpactShapesMayCarrySoftBodies) {
   bullet.world.addRigidBody(&rigid);
   {
     SoftBodySystem system(bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.2, 0};
+    SoftBodySettings s = test::settingsAt({0, 1.2, 0});
     s.collisionMask = 0;
     SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
     ASSERT_TRUE(system.attach(cube, 0, rigid));

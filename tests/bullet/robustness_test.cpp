@@ -2,9 +2,9 @@
 // Unusual scenes: networks without springs, values that are not finite, invalid links, state between ticks,
 // and pins of two bodies in one place.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -21,13 +21,13 @@ namespace {
 
 using test::BulletWorld;
 using test::kTick;
+using test::SoftWorld;
 using test::vec;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 SoftBodySettings at(double height) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, height, 0};
+  SoftBodySettings s = test::settingsAt({0, height, 0});
   return s;
 }
 
@@ -45,13 +45,12 @@ SharedNetwork loosePoints(int count) {
 TEST(WithoutSprings, pointsFlyAndComeToRest) {
   for (const int count : {1, 3})
     for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::Newton}) {
-      BulletWorld bullet;
+      SoftWorld bullet;
       bullet.addBoxFloor();
-      SoftBodySystem system(*bullet.world);
       SoftBodySettings s = at(0.5);
       s.pointRadius = 0.05;
       s.stepping.stepper = stepper;
-      const Result<SoftBody*> made = system.createBody(loosePoints(count), s);
+      const Result<SoftBody*> made = bullet.system.createBody(loosePoints(count), s);
       ASSERT_TRUE(made) << made.error();
       bullet.simulate(0.25);
       // free fall, within Bullet's rounding
@@ -64,12 +63,11 @@ TEST(WithoutSprings, pointsFlyAndComeToRest) {
 
 TEST(WithoutSprings, pointsCarryARigidBody) {
   if (!test::kSurface) GTEST_SKIP() << "the box meets points in Bullet's solver";
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = at(0.1);
   s.pointRadius = 0.1;
-  ASSERT_TRUE(system.createBody(loosePoints(3), s));
+  ASSERT_TRUE(bullet.system.createBody(loosePoints(3), s));
   btRigidBody* box = bullet.addBox(test::vec(0.5, 0.1, 0.02), 1.0, test::vec(0.3, 0.35, 0.0));
   box->setAngularFactor(test::vec(0, 0, 1));
   bullet.simulate(0.5);
@@ -82,9 +80,8 @@ TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
   network->restPoints = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}};
   network->massFractions.assign(4, 0.25);
   network->springs = {{0, 1}, {0, 2}, {2, 3}};
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  const Result<SoftBody*> made = system.createBody(network, test::testedSettings());
+  SoftWorld bullet(0.0);
+  const Result<SoftBody*> made = bullet.system.createBody(network, test::testedSettings());
   ASSERT_TRUE(made) << made.error();
   (*made)->point(1)->applyCentralImpulse(test::vec(1e-3, 1, 0));
   int largest = 0;
@@ -168,8 +165,7 @@ TEST(NotFiniteAction, isRepairedAtTheEndOfTheTick) {
   {
     SoftBodySystem system(*bullet.world);
     system.onWarning([](const std::string&) {});
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 5, 0};
+    SoftBodySettings s = test::settingsAt({0, 5, 0});
     SoftBody* body = *system.createBody(test::cubeNetwork(), s);
     bullet.tick();
     action.act = [&] { body->point(0)->setLinearVelocity(test::vec(kNan, 0, 0)); };
@@ -184,15 +180,13 @@ TEST(NotFiniteAction, isRepairedAtTheEndOfTheTick) {
 
 TEST(NotFiniteSleeper, isReportedWhileItSleeps) {
   if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   int warnings = 0;
-  system.onWarning([&](const std::string&) { ++warnings; });
-  SoftBodySettings s = test::testedSettings();
+  bullet.system.onWarning([&](const std::string&) { ++warnings; });
+  SoftBodySettings s = test::settingsAt({0, 0.6, 0});
   s.damping = 5.0;
-  s.position = {0, 0.6, 0};
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
   for (int i = 0; i < 2000 && !body->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(body->sleeping());
   body->surfaceObject()->setLinearVelocity(test::vec(kNan, 0, 0));
@@ -204,12 +198,11 @@ TEST(NotFiniteSleeper, isReportedWhileItSleeps) {
 }
 
 TEST(TooLarge, isRefused) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   const auto refusal = [&](auto change) {
     SoftBodySettings s = test::testedSettings();
     change(s);
-    const Result<SoftBody*> made = system.createBody(test::cubeNetwork(), s);
+    const Result<SoftBody*> made = bullet.system.createBody(test::cubeNetwork(), s);
     return made ? std::string() : made.error();
   };
   EXPECT_EQ(refusal([](auto& s) { s.scale.setConstant(1e100); }),
@@ -224,15 +217,15 @@ TEST(TooLarge, isRefused) {
             "point 0 would move at 7.07107e+06 m/s, must be at most 1e6");
   EXPECT_EQ(refusal([](auto& s) { s.scale.setConstant(1e-8); }),
             "the body would be 1.73205e-08 m across, must be at least 1e-6");
-  EXPECT_EQ(system.bodyCount(), 0u);
+  EXPECT_EQ(bullet.system.bodyCount(), 0u);
 }
 
 TEST(TooLarge, aSpringOfTheNetworkIsRefused) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SpringNetwork network = *test::cubeNetwork();
   network.springs[3].stiffnessScale = 1e38;
-  EXPECT_EQ(system.createBody(std::make_shared<const SpringNetwork>(network), test::testedSettings()).error(),
+  EXPECT_EQ(bullet.system.createBody(std::make_shared<const SpringNetwork>(network), test::testedSettings())
+                .error(),
             "spring 3 would have a stiffness or damping of 1e+41, must be at most 1e12");
 }
 
@@ -286,9 +279,8 @@ TEST(WrongLinks, areRefused) {
 // --- state between ticks -----------------------------------------------------------------------------------
 
 TEST(BetweenTicks, synchronizingMotionStatesLosesNoForce) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork());
   for (int i = 0; i < 3; ++i) {
     const double before = body->linearMomentum().x();
     body->point(0)->applyCentralForce(btVector3(3, 0, 0));
@@ -305,10 +297,9 @@ TEST(BetweenTicks, synchronizingMotionStatesLosesNoForce) {
 
 TEST(NotFiniteGravity, doesNotHoldTheBodyForGood) {
   for (const bool world : {true, false}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    system.onWarning([](const std::string&) {});
-    SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+    SoftWorld bullet;
+    bullet.system.onWarning([](const std::string&) {});
+    SoftBody* body = bullet.addSoft(test::cubeNetwork());
     bullet.tick();
     btRigidBody* point = world ? nullptr : body->point(0);
     const auto setGravity = [&](btScalar y) {
@@ -328,11 +319,10 @@ TEST(NotFiniteGravity, doesNotHoldTheBodyForGood) {
 }
 
 TEST(BetweenTicks, massesAreThoseOfNow) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.totalMass = 8.0;
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
   body->point(0)->setMassProps(5, btVector3(0, 0, 0));
   EXPECT_NEAR(body->totalMass(), 12.0, 1e-5);
   body->pin(0);
@@ -344,12 +334,11 @@ TEST(BetweenTicks, massesAreThoseOfNow) {
 }
 
 TEST(BetweenTicks, whatIsReadDoesNotDependOnWhatWasReadBefore) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SoftBodySettings s = at(3);
   s.collisionMask = 0;  // two bodies at the same position
-  SoftBody* a = *system.createBody(test::cubeNetwork(), s);
-  SoftBody* b = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* a = bullet.addSoft(test::cubeNetwork(), s);
+  SoftBody* b = bullet.addSoft(test::cubeNetwork(), s);
   for (SoftBody* body : {a, b}) body->point(0)->setLinearVelocity(test::vec(0.5, 0, 0));
   bullet.simulate(0.2);
   for (SoftBody* body : {a, b})
@@ -365,9 +354,8 @@ TEST(BetweenTicks, whatIsReadDoesNotDependOnWhatWasReadBefore) {
 
 TEST(BetweenTicks, aSleeperWhosePointWasMovedWakesThoughItWasRead) {
   if (!test::kSurface) GTEST_SKIP() << "the user wakes bodies of the world, as Bullet has it";
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork());
   for (int i = 0; i < 600 && !body->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(body->sleeping());
   body->point(0)->translate(test::vec(0.2, 0, 0));
@@ -384,26 +372,24 @@ struct HeldNearby {
   unsigned restorations = 0;
 
   explicit HeldNearby(double apart, bool attached) {
-    BulletWorld bullet(-10.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(-10.0);
     ClothSettings shape;
     shape.columns = shape.rows = 6;
     btRigidBody* rail = bullet.addBox(vec(0.01, 0.01, 0.01), 0.0, vec(0, 5, 0));
     for (int k = 0; k < 2; ++k) {
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = test::settingsAt({0, apart * k, 0});
       s.pointRadius = 0.01;
-      s.position = {0, apart * k, 0};
-      SoftBody* cloth = *system.createBody(*buildCloth(shape), s);
+      SoftBody* cloth = bullet.addSoft(*buildCloth(shape), s);
       for (std::uint32_t i = 0; i < 7; ++i)
-        EXPECT_TRUE(attached ? system.attach(cloth, i, *rail) : cloth->pin(i));
+        EXPECT_TRUE(attached ? bullet.system.attach(cloth, i, *rail) : cloth->pin(i));
     }
-    const double start = energyOf(system);
+    const double start = energyOf(bullet.system);
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
-      total = std::max(total, energyOf(system) - start);
+      total = std::max(total, energyOf(bullet.system) - start);
       for (std::size_t b = 0; b < 2; ++b) {
-        kinetic = std::max(kinetic, system.body(b)->kineticEnergy());
-        restorations += system.body(b)->restorations();
+        kinetic = std::max(kinetic, bullet.system.body(b)->kineticEnergy());
+        restorations += bullet.system.body(b)->restorations();
       }
     }
   }
@@ -430,13 +416,12 @@ TEST(PinsNearby, contactsBetweenHeldPointsPushNothing) {
 /// The free points of a rope with one spring have no extent: its inertia is 0, and must not be its rounding.
 TEST(PinsNearby, aRopeOfOneSpringHangs) {
   for (const double degrees : {0.0, 0.1, 20.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     SoftBodySettings s = test::testedSettings();
     s.totalMass = 0.2;
     s.damping = 1.0;
     s.rotation = Eigen::AngleAxisd(degrees * M_PI / 180.0 - M_PI / 2.0, Eigen::Vector3d::UnitZ());
-    SoftBody* rope = *system.createBody(*buildRope({1, 1, 0}), s);
+    SoftBody* rope = bullet.addSoft(*buildRope({1, 1, 0}), s);
     ASSERT_TRUE(rope->pin(0));
     bullet.simulate(5.0);
     EXPECT_EQ(rope->restorations(), 0u) << degrees;
@@ -446,13 +431,12 @@ TEST(PinsNearby, aRopeOfOneSpringHangs) {
 
 TEST(PinsNearby, pinsOfTwoCubesMoveToOnePlace) {
   for (const double apart : {0.0, 1e-6, 1e-4, 1e-3, 0.015}) {
-    BulletWorld bullet(-10.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(-10.0);
     SoftBodySettings s = test::testedSettings();
-    SoftBody* a = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* a = bullet.addSoft(test::closedCubeNetwork(), s);
     s.position = {0, 1.5, 0};
     s.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
-    SoftBody* b = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* b = bullet.addSoft(test::closedCubeNetwork(), s);
     ASSERT_TRUE(a->pin(0));
     ASSERT_TRUE(b->pin(0));
     const Eigen::Vector3d target = a->position(0) + Eigen::Vector3d(apart, 0, 0);

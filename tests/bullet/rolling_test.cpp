@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Rolling and spinning friction of rigid bodies whose contacts are solved together with springs.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -21,6 +21,7 @@ namespace {
 
 using test::BulletWorld;
 using test::kGravity;
+using test::SoftWorld;
 using test::vec;
 
 constexpr double kBallRadius = 0.5;
@@ -47,10 +48,9 @@ void attachLooseSpring(SoftBodySystem& system, btRigidBody* ball) {
 TEST(RollingFriction, slowsABallAsItsMomentDoes) {
   for (const double speed : {0.5, 2.0})
     for (const double rolling : {0.0, 0.05}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       btRigidBody* ball = addBall(bullet, rolling, 0.0);
-      attachLooseSpring(system, ball);
+      attachLooseSpring(bullet.system, ball);
       ball->setLinearVelocity(vec(btScalar(speed), 0, 0));
       ball->setAngularVelocity(vec(0, 0, btScalar(-speed / kBallRadius)));
       bullet.simulate(0.5);
@@ -64,10 +64,9 @@ TEST(RollingFriction, slowsABallAsItsMomentDoes) {
 }
 
 TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* ball = addBall(bullet, 0.01, 0.05);
-  attachLooseSpring(system, ball);
+  attachLooseSpring(bullet.system, ball);
   ball->setAngularVelocity(vec(0, 10, 0));
   bullet.simulate(1.0);
   const double slower = 0.05 * kGravity / (0.4 * kBallRadius * kBallRadius);
@@ -78,11 +77,10 @@ TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
 /// placed there before the tick.
 TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
   for (const bool massChanged : {false, true}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s;
     s.collision = Collision::Points;
-    SoftBody& cube = **system.createBody(test::cubeNetwork(), s);
+    SoftBody& cube = *bullet.addSoft(test::cubeNetwork(), s);
     if (massChanged)
       for (std::uint32_t i = 0; i < 8; ++i) cube.point(i)->setMassProps(btScalar(0.3), btVector3(0, 0, 0));
     btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(0, 0, 0));
@@ -118,16 +116,15 @@ SharedNetwork slabNetwork() {
 /// left when it has rolled or slid for 0.3 m at 0.1 m/s: 1 less what the slab's dampers have taken.
 double energyAfterARoll(const SharedNetwork& network, double friction, double tick) {
   constexpr double kRadius = 0.06, kSpeed = 0.1;
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
-  SoftBodySystem system(*bullet.world);
   Material rubber = Material::rubber();
   rubber.dampingTime = 0.02;
   SoftBodySettings s = *withMaterial(*network, rubber, test::testedSettings());
   s.position.y() = 0.0322;
   s.pointRadius = 0.002;
   s.sleepingSpeed = 0.0;
-  SoftBody& slab = **system.createBody(network, s);
+  SoftBody& slab = *bullet.addSoft(network, s);
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(kRadius)), 1.0,
                                  vec(-0.2, btScalar(0.0644 + kRadius), 0));
   ball->setFriction(btScalar(friction));
@@ -162,17 +159,15 @@ TEST(Rolling, aBallOnALevelSlabGainsNoEnergy) {
 /// Returns how far (m) a wheel of 0.4 m gets in two seconds, whose motor keeps 8 rad/s with 300 N m at most.
 /// It drives over a soft mat of 0.3 m between x = 2 m and 4 m.
 double wayOverAMat(std::unique_ptr<btCollisionShape> wheelShape) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({3, 0.16, 0});
   s.scale = {2, 0.3, 3};
-  s.position = {3, 0.16, 0};
   s.totalMass = 20;
   s.extensionStiffness = s.compressionStiffness = 2e4;
   s.damping = 20;
   s.friction = 1;
-  (void)*system.createBody(*buildNetwork(small_meshes::cube(4)), s);
+  (void)bullet.addSoft(*buildNetwork(small_meshes::cube(4)), s);
   btRigidBody* wheel = bullet.add(std::move(wheelShape), 70, vec(0.4, 0.42, 0));
   wheel->setFriction(1);
   wheel->setAngularFactor(vec(0, 0, 1));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Saved states continue to the bit: in the same world, in a new one, and through files.
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -26,12 +26,12 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 using Bytes = std::vector<std::uint8_t>;
 
 SoftBodySettings placed(double x, double y, double z) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {x, y, z};
+  SoftBodySettings s = test::settingsAt({x, y, z});
   return s;
 }
 
@@ -253,48 +253,46 @@ TEST(SavedState, contactsAreThoseOfTheSavedTick) {
 }
 
 TEST(SavedState, hasThePlacesOfSpringEndsInTheWorldAndTheirForces) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), placed(0, 2, 0));
-  SpringConstraint* spring = *system.addSpring({cube->point(0)}, {nullptr, vec(0, 4, 0)});
+  SoftWorld bullet;
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), placed(0, 2, 0));
+  SpringConstraint* spring = *bullet.system.addSpring({cube->point(0)}, {nullptr, vec(0, 4, 0)});
   bullet.simulate(0.5);
-  const Bytes saved = system.saveState();
+  const Bytes saved = bullet.system.saveState();
   const double force = spring->force();
   EXPECT_NE(force, 0.0);
   std::vector<std::uint64_t> hashes;
   const auto play = [&](auto visit) {
     for (int i = 0; i < 30; ++i) {
       if (i == 10) {
-        EXPECT_TRUE(system.moveSpring(spring, vec(1, 4, 0)));
+        EXPECT_TRUE(bullet.system.moveSpring(spring, vec(1, 4, 0)));
       }
       bullet.tick();
       visit(i);
     }
   };
   play([&](int) { hashes.push_back(cube->stateHash()); });
-  ASSERT_TRUE(system.restoreState(saved));
+  ASSERT_TRUE(bullet.system.restoreState(saved));
   EXPECT_EQ(spring->endB().pivot, vec(0, 4, 0));
   EXPECT_EQ(spring->force(), force);
   play([&](int i) { EXPECT_EQ(cube->stateHash(), hashes[static_cast<std::size_t>(i)]) << i; });
 }
 
 TEST(SavedState, leavesGrabsAlone) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* a = *system.createBody(test::closedCubeNetwork(), placed(0, 0, 0));
-  SoftBody* b = *system.createBody(test::closedCubeNetwork(), placed(3, 0, 0));
-  Result<Grab> held = grab(system, a, 0);
+  SoftWorld bullet(0.0);
+  SoftBody* a = bullet.addSoft(test::closedCubeNetwork(), placed(0, 0, 0));
+  SoftBody* b = bullet.addSoft(test::closedCubeNetwork(), placed(3, 0, 0));
+  Result<Grab> held = grab(bullet.system, a, 0);
   SpringSettings settings;
   settings.stiffness = 70.0;
-  SpringConstraint* spring = *system.addSpring({a->point(1)}, {b->point(0)}, settings);
+  SpringConstraint* spring = *bullet.system.addSpring({a->point(1)}, {b->point(0)}, settings);
   bullet.simulate(0.2);
-  const Bytes saved = system.saveState();
+  const Bytes saved = bullet.system.saveState();
   const double length = *spring->settings().restLength;
   held->release();
-  held = grab(system, a, 7);
-  const Result<Grab> another = grab(system, b, 3);
+  held = grab(bullet.system, a, 7);
+  const Result<Grab> another = grab(bullet.system, b, 3);
   bullet.simulate(0.2);
-  const Result<void> restored = system.restoreState(saved);
+  const Result<void> restored = bullet.system.restoreState(saved);
   ASSERT_TRUE(restored) << restored.error();
   EXPECT_EQ(spring->settings().stiffness, 70.0);
   EXPECT_EQ(*spring->settings().restLength, length);
@@ -317,9 +315,8 @@ TEST(SavedState, ofOneBodyLeavesTheOthersAlone) {
 }
 
 TEST(SavedState, changedSettingsAndMassesAreRestored) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork());
   body->point(3)->setMassProps(btScalar(2), btVector3(0, 0, 0));
   body->pin(1);
   SoftBodySettings s = body->settings();
@@ -388,8 +385,7 @@ TEST(SavedState, rigidBodiesMayBePutBackBeforeAndAfterIt) {
   BulletWorld old;
   old.addBoxFloor();
   SoftBodySystem system(*old.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.6, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.6, 0});
   SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
   btRigidBody* ball = addBall(old, btVector3(btScalar(0.1), btScalar(1.6), 0));
   old.simulate(1.0);
@@ -435,16 +431,15 @@ TEST(SavedState, isSavedOfDeadBodiesButNotRestored) {
 }
 
 TEST(SavedState, aCloneMovesLikeTheOriginal) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.elasticLimit.yieldStrain = 0.05;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
   ASSERT_TRUE(body->setVelocity(vec(0, 0, 0), vec(3, 0, 0)));
   bullet.simulate(0.2);
   btTransform there = body->transform();
   there.setOrigin(there.getOrigin() + vec(8, 0, 0));
-  const auto copy = system.clone(body, there);
+  const auto copy = bullet.system.clone(body, there);
   ASSERT_TRUE(copy) << copy.error();
   bullet.simulate(0.5);
   for (std::uint32_t i = 0; i < body->pointCount(); ++i)
@@ -454,15 +449,12 @@ TEST(SavedState, aCloneMovesLikeTheOriginal) {
 }
 
 TEST(SavedState, aCloneHasNoContactsBeforeItsFirstTick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.53, 0};
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), test::settingsAt({0, 0.53, 0}));
   bullet.simulate(0.5);
   ASSERT_FALSE(body->contacts().empty());
-  const auto copy = system.clone(body, btTransform(btQuaternion::getIdentity(), vec(5, 4, 0)));
+  const auto copy = bullet.system.clone(body, btTransform(btQuaternion::getIdentity(), vec(5, 4, 0)));
   ASSERT_TRUE(copy) << copy.error();
   EXPECT_TRUE((*copy)->contacts().empty());
   EXPECT_FALSE(body->contacts().empty());
@@ -573,9 +565,8 @@ std::size_t linesWith(const std::string& text, const std::string& start) {
 }
 
 TEST(Export, writesThePresentSurfaceAndSprings) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), placed(10, 0, 0));
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), placed(10, 0, 0));
   const TriangleMesh mesh = body->surfaceMesh();
   ASSERT_EQ(mesh.triangles.size(), 12u);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -596,7 +587,7 @@ TEST(Export, writesThePresentSurfaceAndSprings) {
   EXPECT_EQ(linesWith(contentOf(base + ".ply"), "element edge 24"), 1u);
   for (const char* ending : {".obj", ".ply"}) std::remove((base + ending).c_str());
   EXPECT_EQ(body->exportMesh("cube.stl").error(), "cube.stl: the name must end in .obj or .ply");
-  SoftBody* rope = *system.createBody(*buildRope(), test::testedSettings());
+  SoftBody* rope = bullet.addSoft(*buildRope());
   EXPECT_EQ(rope->exportMesh("rope.obj").error(),
             "rope.obj: the body has no surface; exportSprings() writes ropes");
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of ropes and cloths with themselves.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 #include "support/tiled_floors.h"
 
@@ -19,6 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 /// Returns the smallest distance (m) between two segments of a rope whose indices differ by at least
@@ -40,9 +41,8 @@ double nearestSegments(const SoftBody& rope, std::uint32_t minIndexGap) {
 
 TEST(SurfaceOnItself, aRopeCoilsUpWhenAsked) {
   for (const bool self : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
     // hangs over one point of the floor, slightly tilted, and lands on its end
     s.position = {0, 2.1, 0};
@@ -52,7 +52,7 @@ TEST(SurfaceOnItself, aRopeCoilsUpWhenAsked) {
     s.extensionStiffness = s.compressionStiffness = 4e3;
     s.damping = 2.0;
     s.selfCollision = self;
-    SoftBody* rope = *system.createBody(test::chainNetwork(40), s);
+    SoftBody* rope = bullet.addSoft(test::chainNetwork(40), s);
     for (std::uint32_t i = 0; i < rope->pointCount(); ++i) rope->point(i)->setDamping(btScalar(0.5), 0);
     bullet.simulate(6.0);
     EXPECT_FALSE(rope->surfaceObject()->isActive()) << "it has come to rest";
@@ -114,14 +114,13 @@ SoftBodySettings clothSettings(bool self) {
 
 TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
   for (const bool self : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = clothSettings(self);
     // stands on an edge, tilted, and crumples
     s.position = {0, 0.7, 0};
     s.rotation = Eigen::AngleAxisd(M_PI / 2 - 0.1, Vector3d(1, 0, 0.1).normalized());
-    SoftBody* cloth = *system.createBody(clothNetwork(10, 1.0), s);
+    SoftBody* cloth = bullet.addSoft(clothNetwork(10, 1.0), s);
     int maxPiercings = 0;
     for (int i = 0; i < 180; ++i) {
       bullet.tick();
@@ -137,16 +136,14 @@ TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
 /// With one substep per tick it is crushed by the falling part above. With compliant contacts it would sink
 /// by more than its radius.
 TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.9, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.9, 0});
   s.scale = {1, 0.7, 1};
   s.extensionStiffness = s.compressionStiffness = 160.0;
   s.selfCollision = true;
   s.stepping.maxSubsteps = 1;
-  SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
+  SoftBody* chain = bullet.addSoft(test::chainNetwork(12), s);
   double lowest = 1.0;
   for (int tick = 0; tick < 20; ++tick) {
     bullet.tick();
@@ -159,11 +156,9 @@ TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
 TEST(SurfaceOnItself, aChainCrumplesAlikeInHalfTicks) {
   const double seconds = 31.0 / 60.0;
   const auto crumpled = [&](double tick) {
-    BulletWorld bullet(-10.0);
+    SoftWorld bullet(-10.0);
     bullet.addPlaneFloor()->setFriction(0.5);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 2, 0};
+    SoftBodySettings s = test::settingsAt({0, 2, 0});
     s.linearVelocity = {0, 0, 0.7};
     s.extensionStiffness = 1000.0;
     s.compressionStiffness = 9730.0;
@@ -171,7 +166,7 @@ TEST(SurfaceOnItself, aChainCrumplesAlikeInHalfTicks) {
     s.totalMass = 1.0;
     s.selfCollision = true;
     s.stepping.periodTolerance = 2e-3;
-    SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
+    SoftBody* chain = bullet.addSoft(test::chainNetwork(12), s);
     bullet.simulate(seconds, tick);
     return test::placesOf(*chain);
   };
@@ -286,14 +281,12 @@ TEST(SurfaceOnItself, aClothComesToRestOverABoxesEdgesAndCorners) {
 /// Returns the smallest height (m) of a point's centre during two seconds in which a cloth falls and crumples
 /// on a floor at z = 0.
 double lowestOfFallingCloth(test::FloorKind floor, double angle) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   test::addTiledFloor(bullet, floor, 0.0);
-  SoftBodySystem system(*bullet.world);
   ClothSettings cloth;
   cloth.columns = 9;
   cloth.rows = 7;
-  SoftBodySettings s = test::testedSettings();
-  s.position = {1, 2, 0};
+  SoftBodySettings s = test::settingsAt({1, 2, 0});
   s.rotation = Eigen::AngleAxisd(1.0, Vector3d(0.8, angle, 0.6).normalized());
   s.extensionStiffness = 86.3;
   s.compressionStiffness = 8.63;
@@ -302,7 +295,7 @@ double lowestOfFallingCloth(test::FloorKind floor, double angle) {
   s.friction = 1.0;
   s.pointRadius = 0.0022;
   s.selfCollision = true;
-  SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+  SoftBody* body = bullet.addSoft(*buildCloth(cloth), s);
   double lowest = HUGE_VAL;
   for (int i = 0; i < 30; ++i) {
     bullet.tick(1.0 / 15);

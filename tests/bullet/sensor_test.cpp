@@ -3,9 +3,9 @@
 // bodies in the same world.
 #include "support/allocation_counter.h"
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -30,11 +30,11 @@ namespace {
 using test::BulletWorld;
 using test::kGravity;
 using test::kRadius;
+using test::SoftWorld;
 using test::vec;
 
 SoftBody* addSensedCube(SoftBodySystem& system, double y) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, y, 0};
+  SoftBodySettings s = test::settingsAt({0, y, 0});
   s.extensionStiffness = s.compressionStiffness = 5000;
   s.damping = 20;
   s.pointRadius = kRadius;
@@ -88,11 +88,10 @@ TEST(SurfaceSensors, aGhostSmallerThanATriangleReportsACube) {
 }
 
 TEST(SurfaceSensors, aSoftBodyCanBeASensor) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addSensedCube(system, 0.7);
-  SoftBody* solid = addSensedCube(system, 2.0);
+  SoftBody* cube = addSensedCube(bullet.system, 0.7);
+  SoftBody* solid = addSensedCube(bullet.system, 2.0);
   cube->surfaceObject()->setCollisionFlags(cube->surfaceObject()->getCollisionFlags() |
                                            btCollisionObject::CF_NO_CONTACT_RESPONSE);
   bool touchesFloor = false, touchesSolid = false;
@@ -111,12 +110,11 @@ TEST(SurfaceSensors, aSoftBodyCanBeASensor) {
 }
 
 TEST(SurfaceSensors, aTickAllocatesNothing) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
   btRigidBody* zone = bullet.addBox(vec(0.4, 0.4, 0.4), 0, vec(0.5, 0.5, 0.3));
   zone->setCollisionFlags(zone->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addSensedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addSensedCube(bullet.system, 0.5 + kRadius);
   cube->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(1.0);
   const test::AllocationCounter counter;
@@ -157,14 +155,13 @@ TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
 }
 
 TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.collision = Collision::Surface;
-  SoftBody* sensor = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* sensor = bullet.addSoft(test::closedCubeNetwork(), s);
   sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
   s.position = {0, 0.8, 0};
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
   bullet.tick();
   ASSERT_FALSE(cube->contacts().empty());
   for (const SoftContact& c : cube->contacts()) {
@@ -175,10 +172,9 @@ TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
 }
 
 TEST(SurfaceSensors, softBodiesReportEachOtherAlike) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* sensor = addSensedCube(system, 0.0);
-  SoftBody* cube = addSensedCube(system, 1.2);
+  SoftWorld bullet(0.0);
+  SoftBody* sensor = addSensedCube(bullet.system, 0.0);
+  SoftBody* cube = addSensedCube(bullet.system, 1.2);
   sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
   ASSERT_TRUE(cube->setVelocity(vec(0, -1, 0), vec(0, 0, 0)));
   ASSERT_TRUE(sensor->setTransform(btTransform(btQuaternion(vec(0, 1, 0), btScalar(0.7)), vec(0, 0, 0))));
@@ -197,16 +193,15 @@ TEST(SurfaceSensors, softBodiesReportEachOtherAlike) {
 // --- the profile -------------------------------------------------------------------------------------------
 
 TEST(Profile, countsTheWorkOfTheTick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
   bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 1.3, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addSensedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addSensedCube(bullet.system, 0.5 + kRadius);
   SoftBodySettings far = cube->settings();
   far.position = {30, 5, 0};
-  SoftBody* alone = *system.createBody(test::closedCubeNetwork(), far);
+  SoftBody* alone = bullet.addSoft(test::closedCubeNetwork(), far);
   bullet.simulate(0.3);
-  const TickProfile& p = system.profile();
+  const TickProfile& p = bullet.system.profile();
   EXPECT_EQ(p.awakeBodies, 2u);
   EXPECT_EQ(p.pointsStepped, 16u);
   EXPECT_EQ(p.substeps, static_cast<std::size_t>(cube->substeps() + alone->substeps()));
@@ -224,15 +219,14 @@ TEST(Profile, countsTheWorkOfTheTick) {
 }
 
 TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* apart = addSensedCube(system, 0.5 + kRadius);
+  SoftBody* apart = addSensedCube(bullet.system, 0.5 + kRadius);
   SoftBodySettings s = apart->settings();
   SoftBody* others[4];  // one on another, two under a box
   for (int i = 0; i < 4; ++i) {
     s.position = {i < 2 ? 3.0 : 4.5 + 1.5 * i, 0.5 + kRadius + (i == 1 ? 1 + 2 * kRadius : 0.0), 0};
-    others[i] = *system.createBody(test::closedCubeNetwork(), s);
+    others[i] = bullet.addSoft(test::closedCubeNetwork(), s);
   }
   bullet.addBox(vec(2, 0.1, 0.5), 1.0, vec(8.25, 1.1 + 2 * kRadius, 0));
   EXPECT_EQ(apart->island(), -1) << "before the first tick";
@@ -242,7 +236,7 @@ TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {
   EXPECT_NE(others[0]->island(), others[2]->island());
   EXPECT_NE(apart->island(), others[0]->island());
   EXPECT_GE(apart->island(), 0);
-  ASSERT_TRUE(system.addSpring({apart->point(0)}, {others[0]->point(0)}));
+  ASSERT_TRUE(bullet.system.addSpring({apart->point(0)}, {others[0]->point(0)}));
   bullet.tick();
   EXPECT_EQ(apart->island(), others[1]->island()) << "a spring couples them";
 }

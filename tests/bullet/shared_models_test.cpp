@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Equal bodies share a model. What happens to one of them must not change the others.
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
@@ -16,6 +16,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 
 constexpr int kTicks = 60;
 
@@ -23,18 +24,17 @@ constexpr int kTicks = 60;
 /// is called for the first cube in each tick.
 std::uint64_t hashOfLast(int count, const SoftBodySettings& settings,
                          const std::function<void(SoftBodySystem&, SoftBody&, int tick)>& treat = {}) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   const SharedNetwork network = test::cubeNetwork();
   std::vector<SoftBody*> bodies;
   for (int i = 0; i < count; ++i) {
     SoftBodySettings s = settings;
     s.position = {100.0 * (count - 1 - i), 0, 0};
     s.angularVelocity = {1.0, 2.0, -0.5};
-    bodies.push_back(*system.createBody(network, s));
+    bodies.push_back(bullet.addSoft(network, s));
   }
   for (int tick = 0; tick < kTicks; ++tick) {
-    if (treat && count > 1) treat(system, *bodies[0], tick);
+    if (treat && count > 1) treat(bullet.system, *bodies[0], tick);
     bullet.tick();
   }
   return bodies.back()->stateHash();
@@ -71,18 +71,17 @@ TEST(SharedModels, pinsAndMassesOfOneBodyLeaveTheOthersAlone) {
 
 /// Returns the hash of a cube that has fallen on the floor, beside which others are created far away.
 std::uint64_t hashBesideNewBodies(bool create) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s;
   s.position = {0, 2.03, 0};
   s.extensionStiffness = s.compressionStiffness = 1000.0;
   // one substep fewer than it needs: its energy is limited from tick to tick
   s.stepping.maxSubsteps = 5;
-  const SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  const SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
   for (int tick = 0; tick < 100; ++tick) {
     s.position = {-20.0 - 5.0 * tick, 100.0, 0};
-    if (create && tick % 10 == 0) (void)*system.createBody(test::cubeNetwork(), s);
+    if (create && tick % 10 == 0) (void)bullet.addSoft(test::cubeNetwork(), s);
     bullet.tick();
   }
   return body->stateHash();
@@ -101,8 +100,7 @@ TEST(SharedModels, outliveTheBodyThatWasFirst) {
 }
 
 TEST(SharedModels, differWhereSettingsDo) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   const SharedNetwork network = test::cubeNetwork();
   std::vector<double> energies;
   for (const double stiffness : {100.0, 200.0}) {
@@ -111,7 +109,7 @@ TEST(SharedModels, differWhereSettingsDo) {
       s.extensionStiffness = s.compressionStiffness = stiffness;
       s.volumeModulus = 0.0;
       s.scale.setConstant(scale);
-      SoftBody& body = **system.createBody(network, s);
+      SoftBody& body = *bullet.addSoft(network, s);
       for (std::uint32_t i = 0; i < body.pointCount(); ++i) {
         const Eigen::Vector3d x = 1.1 * scale * network->restPoints[i];
         body.point(i)->getWorldTransform().setOrigin(test::vec(x.x(), x.y(), x.z()));
@@ -172,9 +170,8 @@ TEST(Handles, staleAndForeignPointersAreErrors) {
 }
 
 TEST(Handles, pointsOutOfRangeAreErrors) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody& body = **system.createBody(test::cubeNetwork());
+  SoftWorld bullet;
+  SoftBody& body = *bullet.addSoft(test::cubeNetwork());
   EXPECT_EQ(body.point(8), nullptr);
   EXPECT_TRUE(body.position(8).hasNaN());
   EXPECT_TRUE(body.velocity(8).hasNaN());
@@ -188,8 +185,9 @@ TEST(Handles, pointsOutOfRangeAreErrors) {
   EXPECT_TRUE(body.pin(7)) << "again";
   EXPECT_EQ(body.movePin(7, test::vec(0, std::nan(""), 0)).error(), "the target of point 7 is not finite");
   EXPECT_TRUE(body.unpin(7));
-  EXPECT_EQ(system.attach(&body, 8, *bullet.addBox(test::vec(1, 1, 1), 1.0, test::vec(9, 9, 9))).error(),
-            "there is no point 8");
+  EXPECT_EQ(
+      bullet.system.attach(&body, 8, *bullet.addBox(test::vec(1, 1, 1), 1.0, test::vec(9, 9, 9))).error(),
+      "there is no point 8");
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // All points of a soft body fall asleep and wake together.
-#include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -19,14 +19,14 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 
 struct SleepTest : testing::Test {
   SleepTest() : system(*bullet.world) { bullet.addBoxFloor(); }
   ~SleepTest() override { gDeactivationTime = 2; }
 
   SoftBody* restingCube(double x = 0, double y = 0.52) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {x, y, 0};
+    SoftBodySettings s = test::settingsAt({x, y, 0});
     return *system.createBody(test::cubeNetwork(), s);
   }
 
@@ -125,8 +125,7 @@ TEST_F(SleepTest, bodiesThatComeAndGoDoNotWakeIt) {
 }
 
 TEST_F(SleepTest, aSlowSwingIsNotRest) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 4, 0};
+  SoftBodySettings s = test::settingsAt({0, 4, 0});
   SoftBody* rope = *system.createBody(test::pairNetwork(), s);
   rope->pin(0);
   for (int i = 0; i < 600; ++i) {
@@ -148,8 +147,7 @@ TEST_F(SleepTest, gravityReachesAllPointsOfAWokenBody) {
 }
 
 TEST_F(SleepTest, aMovedPinWakesIt) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 4, 0};
+  SoftBodySettings s = test::settingsAt({0, 4, 0});
   s.damping = 50;
   SoftBody* rope = *system.createBody(test::chainNetwork(2), s);
   rope->pin(0);
@@ -182,11 +180,10 @@ TEST_F(SleepTest, aForceOfTheStepInWhichItFallsAsleepDoesNotActLater) {
 
 TEST(Sleep, aPointLetGoMovesHoweverLongTheBodyWasCalm) {
   for (const double calm : {1.0, 1.9, 1.99, 2.0, 2.02, 5.0}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s = test::testedSettings();
     s.damping = 20.0;
-    SoftBody* body = *system.createBody(test::chainNetwork(2), s);
+    SoftBody* body = bullet.addSoft(test::chainNetwork(2), s);
     body->pin(0);
     body->pin(2);
     body->movePin(2, test::vec(0, -1.2, 0));
@@ -225,8 +222,7 @@ struct SleeperAndNewcomer {
   }
 
   SoftBody* addCube(const Eigen::Vector3d& position, const Eigen::Vector3d& velocity = {0, 0, 0}) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = position;
+    SoftBodySettings s = test::settingsAt(position);
     s.linearVelocity = velocity;
     return *system.createBody(test::closedCubeNetwork(), s);
   }
@@ -292,9 +288,8 @@ TEST(Sleep, newcomersMeetASleeperAsTheyMeetABodyAwake) {
 struct SleepingStack {
   SleepingStack() : system(*bullet.world) {
     bullet.addBoxFloor();
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = test::settingsAt({0, 0.6, 0});
     s.damping = 5;
-    s.position = {0, 0.6, 0};
     lower = *system.createBody(test::closedCubeNetwork(), s);
     s.position = {0, 1.7, 0};
     upper = *system.createBody(test::closedCubeNetwork(), s);
@@ -313,11 +308,10 @@ struct SleepingStack {
 
 /// In free fall without gravity nothing moves at all: 0 m/s is not below 0 m/s.
 TEST(Sleep, neverWithASleepingSpeedOfZero) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.sleepingSpeed = 0.0;
-  const SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  const SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
   bullet.simulate(5.0);
   EXPECT_FALSE(body->sleeping());
 }
@@ -325,14 +319,13 @@ TEST(Sleep, neverWithASleepingSpeedOfZero) {
 /// Returns whether two points on a spring, which swing with a period of 4 s and pass each other at most at
 /// this speed (m/s), fall asleep.
 bool sleepsWhileItSwings(double speed) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.totalMass = 1.0;
   s.extensionStiffness = s.compressionStiffness = 0.617;
   s.damping = 0.0;
   s.flow.drag = s.flow.linearDrag = 0.0;
-  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::pairNetwork(), s);
   const double impulse = 0.5 * speed;  // N s
   body->point(0)->applyCentralImpulse(test::vec(impulse, 0, 0));
   body->point(1)->applyCentralImpulse(test::vec(-impulse, 0, 0));
@@ -351,11 +344,8 @@ TEST(Sleep, comesInSpiteOfFewFastTicks) {
 /// it.
 TEST(Sleep, onRequestUntilTouched) {
   for (const bool byBullet : {false, true}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 3, 0};
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    SoftWorld bullet;
+    SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({0, 3, 0}));
     if (byBullet && body->surfaceObject())
       body->surfaceObject()->setActivationState(ISLAND_SLEEPING);
     else
@@ -417,19 +407,19 @@ TEST_F(SleepTest, staysWhenAWorldIsRestoredOrLoaded) {
 /// A cube hangs from a kinematic body that it cannot touch. When that moves, the cube follows.
 TEST(Sleep, aMovedKinematicHolderWakesIt) {
   for (const bool bySpring : {false, true}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     btRigidBody* holder = bullet.addBox(test::vec(0.1, 0.1, 0.1), 0, test::vec(0.5, 2.0, 0.5));
     holder->setCollisionFlags(holder->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT |
                               btCollisionObject::CF_NO_CONTACT_RESPONSE);
     SoftBodySettings s = test::testedSettings();
     s.damping = 20.0;
     s.flow.drag = 1.0;
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
     if (bySpring)
-      ASSERT_TRUE(system.addSpring({holder, btVector3(0, 0, 0)}, {body->point(0), btVector3(0, 0, 0)}));
+      ASSERT_TRUE(
+          bullet.system.addSpring({holder, btVector3(0, 0, 0)}, {body->point(0), btVector3(0, 0, 0)}));
     else
-      ASSERT_TRUE(system.attach(body, 0, *holder));
+      ASSERT_TRUE(bullet.system.attach(body, 0, *holder));
     body->sleep();
     bullet.simulate(0.5);
     ASSERT_TRUE(body->sleeping()) << bySpring;
@@ -457,7 +447,7 @@ TEST_F(SleepTest, soonWithVaryingTicks) {
 TEST(Sleep, ofASoftBallOnRigidBalls) {
   if (!test::kSurface) GTEST_SKIP() << "only surfaces have faces";
   for (const double gap : {0.27, 0.29, 0.33}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
     const double radius = 0.235;
     const double x = radius + 0.5 * gap;
@@ -466,13 +456,11 @@ TEST(Sleep, ofASoftBallOnRigidBalls) {
       bullet.addBox(test::vec(2, 1, 0.5), 0, test::vec(0, 1, side * (radius + 0.5)));
       bullet.add(std::make_unique<btSphereShape>(btScalar(radius)), 0.6, test::vec(side * x, radius, 0));
     }
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0.01, 0.75, 0.02};
+    SoftBodySettings s = test::settingsAt({0.01, 0.75, 0.02});
     s.scale.setConstant(0.461 / 2);
     s.totalMass = s.damping = 0.2;
     s.extensionStiffness = s.compressionStiffness = 200.0;
-    const SoftBody* body = *system.createBody(*buildNetwork(small_meshes::icosphere(1)), s);
+    const SoftBody* body = bullet.addSoft(*buildNetwork(small_meshes::icosphere(1)), s);
     bullet.simulate(10.0);
     EXPECT_TRUE(body->sleeping()) << gap;
     for (const SoftContact& c : body->contacts()) EXPECT_GT(c.distance, -1e-3) << gap;
@@ -511,16 +499,13 @@ TEST(Sleep, whatRestedOnABodyFallsWhenItIsTakenAway) {
 TEST(Sleep, whatAnAwakeHandHoldsFallsWhenTheHandGoes) {
   for (const bool attached : {false, true})
     for (const double tick : {1.0 / 60, 1.0 / 240}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       btRigidBody* palm = bullet.addBox(test::vec(1, 0.1, 1), 0, test::vec(0, 0.9, 0));
       palm->setCollisionFlags(palm->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
       palm->setActivationState(DISABLE_DEACTIVATION);
-      SoftBodySettings s = test::testedSettings();
-      s.position = {0, 1.52, 0};
-      SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+      SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({0, 1.52, 0}));
       if (attached) {
-        ASSERT_TRUE(system.attach(body, 0, *palm));
+        ASSERT_TRUE(bullet.system.attach(body, 0, *palm));
       }
       bullet.simulate(5.0, tick);
       ASSERT_FALSE(body->sleeping());
@@ -534,8 +519,7 @@ TEST(Sleep, whatAnAwakeHandHoldsFallsWhenTheHandGoes) {
 /// A corner of one cloth that lies on the edge of the other swung for ever: contacts had the lever arms and
 /// the normals of the start of each tick.
 TEST(Sleep, ofTwoClothsThatLieOnEachOther) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-10.0);
   btStaticPlaneShape plane(test::vec(0, 1, 0), 0);
   btRigidBody floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane));
   bullet.world->addRigidBody(&floor);
@@ -543,20 +527,19 @@ TEST(Sleep, ofTwoClothsThatLieOnEachOther) {
   grid.width = grid.depth = 0.3;
   grid.columns = grid.rows = 5;
   const SharedNetwork network = *buildCloth(grid);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = test::settingsAt({-0.091140307819536109, 0.1, 0.11562918801355604});
   s.flow = SoftBodySettings().flow;
   s.totalMass = 0.1;
   s.extensionStiffness = s.compressionStiffness = 200.0;
   s.damping = 0.2;
   s.pointRadius = 0.008;
-  s.position = {-0.091140307819536109, 0.1, 0.11562918801355604};
   s.rotation = Eigen::Quaterniond(-0.74870586244885362, -0.5279451425161007, -0.12342563614144571,
                                   0.38141784223008185);
-  const SoftBody* lower = *system.createBody(network, s);
+  const SoftBody* lower = bullet.addSoft(network, s);
   s.position = {0.036289154394198747, 0.3, -0.063150047877873317};
   s.rotation = Eigen::Quaterniond(-0.95230473583818198, 0.017405946971924213, 0.28349181649449923,
                                   -0.11155766710912444);
-  const SoftBody* upper = *system.createBody(network, s);
+  const SoftBody* upper = bullet.addSoft(network, s);
   bullet.simulate(12.0);
   EXPECT_TRUE(lower->sleeping() && upper->sleeping());
   bullet.world->removeRigidBody(&floor);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Bodies that are one object in the world move, rest and sleep like those whose points are in the world.
 #include "support/allocation_counter.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -19,22 +19,22 @@ namespace {
 
 using test::BulletWorld;
 using test::kTick;
+using test::SoftWorld;
 
 // --- comparison with points --------------------------------------------------------------------------------
 
 using AddFloor = void (*)(BulletWorld&);
 
 double restHeightWith(AddFloor addFloor, Collision collision) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   addFloor(bullet);
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s;
   s.collision = collision;
   s.position = {0.1, 0.52, 0.05};
   s.friction = 0;
   s.damping = 0.2 * std::sqrt(1000 * 0.125);
   s.sleepingSpeed = 0;
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
   bullet.simulate(8.0);
   return body->centerOfMass().y();
 }
@@ -52,13 +52,11 @@ TEST(SurfaceLife, restsAtTheHeightOfPoints) {
 
 TEST(SurfaceLife, aTumbleIsTheSameWhetherTheUserHoldsThePointsOrNot) {
   const auto hash = [](bool exposed) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.5, 0};
+    SoftBodySettings s = test::settingsAt({0, 1.5, 0});
     s.angularVelocity = {1, 2, 3};
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), s);
     if (exposed) (void)body->point(0);
     bullet.simulate(3.0);
     return body->stateHash();
@@ -117,14 +115,13 @@ TEST(SurfaceForces, oneForceForAllTicksOfAStep) {
 }
 
 TEST(SurfaceForces, nothingIsInTheWorldBesidesTheSurfaceUntilSomebodyHasAPoint) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(test::cubeNetwork());
   bullet.tick();
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1);
   (void)body->point(0);
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 2);
-  system.destroyBody(body);
+  bullet.system.destroyBody(body);
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
 }
 
@@ -133,8 +130,7 @@ TEST(SurfaceForces, nothingIsInTheWorldBesidesTheSurfaceUntilSomebodyHasAPoint) 
 struct SurfaceSleep : testing::Test {
   SurfaceSleep() : system(*bullet.world) {
     floor = bullet.addBoxFloor();
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 0.52, 0};
+    SoftBodySettings s = test::settingsAt({0, 0.52, 0});
     body = *system.createBody(test::cubeNetwork(), s);
   }
   void sleep() {
@@ -231,14 +227,12 @@ TEST_F(SurfaceSleep, outOfTheSimulationItStaysWhereItIs) {
 // --- other -------------------------------------------------------------------------------------------------
 
 TEST(SurfaceLife, aTickAllocatesNothingAlthoughBodiesFlyAndRest) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {1.5 * i, i % 2 ? 0.52 : 300.0, 0};
+    SoftBodySettings s = test::settingsAt({1.5 * i, i % 2 ? 0.52 : 300.0, 0});
     s.sleepingSpeed = 0;
-    (void)*system.createBody(test::cubeNetwork(), s);
+    (void)bullet.addSoft(test::cubeNetwork(), s);
   }
   bullet.simulate(2.0);
   const test::AllocationCounter counter;
@@ -247,11 +241,8 @@ TEST(SurfaceLife, aTickAllocatesNothingAlthoughBodiesFlyAndRest) {
 }
 
 TEST(SurfaceLife, aFloorThatComesLaterIsFound) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 2, 0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({0, 2, 0}));
   bullet.simulate(0.3);
   bullet.addBoxFloor();
   bullet.simulate(3.0);
@@ -259,12 +250,9 @@ TEST(SurfaceLife, aFloorThatComesLaterIsFound) {
 }
 
 TEST(SurfaceLife, pairsTheUserHasExcludedDoNotTouch) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.6, 0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({0, 0.6, 0}));
   body->surfaceObject()->setIgnoreCollisionCheck(floor, true);
   bullet.simulate(1.0);
   EXPECT_LT(body->centerOfMass().y(), -3.0);
@@ -272,14 +260,12 @@ TEST(SurfaceLife, pairsTheUserHasExcludedDoNotTouch) {
 
 TEST(SurfaceLife, softBodiesThatTheUserHasExcludedDoNotTouch) {
   for (const bool both : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 0.6, 0};
-    SoftBody* lower = *system.createBody(test::cubeNetwork(), s);
+    SoftBodySettings s = test::settingsAt({0, 0.6, 0});
+    SoftBody* lower = bullet.addSoft(test::cubeNetwork(), s);
     s.position = {0.1, 2, 0};
-    SoftBody* upper = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* upper = bullet.addSoft(test::cubeNetwork(), s);
     upper->surfaceObject()->setIgnoreCollisionCheck(lower->surfaceObject(), true);
     if (both) lower->surfaceObject()->setIgnoreCollisionCheck(upper->surfaceObject(), true);
     bullet.simulate(2.0);
@@ -288,25 +274,21 @@ TEST(SurfaceLife, softBodiesThatTheUserHasExcludedDoNotTouch) {
 }
 
 TEST(SurfaceLife, pairsInOrderOfTheirIdsAreFineToo) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.world->getDispatchInfo().m_deterministicOverlappingPairs = true;
   bullet.addBoxFloor();
   bullet.addBox(test::vec(0.3, 0.3, 0.3), 1, test::vec(0.2, 0.3, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {1.2, 1, 0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({1.2, 1, 0}));
   bullet.simulate(2.0);
   EXPECT_NEAR(body->centerOfMass().y(), 0.52, 0.01);
 }
 
 TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SoftBodySettings s = test::testedSettings();
   s.collisionGroup = 64;
   s.collisionMask = 1 | 2;
-  btRigidBody* object = (*system.createBody(test::cubeNetwork(), s))->surfaceObject();
+  btRigidBody* object = (bullet.addSoft(test::cubeNetwork(), s))->surfaceObject();
   EXPECT_EQ(object->getUserPointer(), nullptr);
   EXPECT_EQ(object->getUserIndex(), -1);
   int mine = 0;
@@ -321,9 +303,8 @@ TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
 
 TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   // HelloWorld's clean-up loop, including motion states, after the application has accessed a point
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(test::cubeNetwork());
   body->point(0)->applyCentralForce(test::vec(1, 0, 0));
   bullet.tick();
   for (int i = bullet.world->getNumCollisionObjects() - 1; i >= 0; --i) {
@@ -336,32 +317,28 @@ TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   bullet.tick();
   EXPECT_FALSE(body->alive());
   EXPECT_EQ(body->surfaceObject(), nullptr);
-  (void)*system.createBody(test::cubeNetwork(), test::testedSettings());
+  (void)bullet.addSoft(test::cubeNetwork());
   bullet.tick();
 }
 
 TEST(SurfaceLife, aBodyWhoseObjectTheApplicationHasRemovedIsNotAlive) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SoftBodySettings s;
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
   EXPECT_TRUE(body->alive());
   bullet.world->removeRigidBody(body->surfaceObject());
   EXPECT_FALSE(body->alive()) << "before the next tick";
-  EXPECT_FALSE(system.clone(body, btTransform::getIdentity()));
-  EXPECT_EQ(system.bodyCount(), 1u);
+  EXPECT_FALSE(bullet.system.clone(body, btTransform::getIdentity()));
+  EXPECT_EQ(bullet.system.bodyCount(), 1u);
   bullet.tick();
   EXPECT_FALSE(body->alive());
-  ASSERT_TRUE(system.destroyBody(body));
+  ASSERT_TRUE(bullet.system.destroyBody(body));
 }
 
 /// A pool of bodies. `out`: ticks without the body; then it is added again, as any other or as Bullet's own.
 double heightOfPooled(int out, bool asRigid) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 20, 0};
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), test::settingsAt({0, 20, 0}));
   for (int i = 0; i < 20; ++i) bullet.tick();
   btRigidBody* object = body->surfaceObject();
   if (out >= 0) {
@@ -390,11 +367,10 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
   BulletWorld other(0.0);
   btRigidBody* object = nullptr;
   {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(test::cubeNetwork(), {});
+    SoftWorld bullet;
+    SoftBody* body = bullet.addSoft(test::cubeNetwork(), {});
     btRigidBody* rigid = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1, test::vec(3, 0, 0));
-    ASSERT_TRUE(system.addSpring({rigid, test::vec(0, 0, 0)}, {nullptr, test::vec(3, 1, 0)}));
+    ASSERT_TRUE(bullet.system.addSpring({rigid, test::vec(0, 0, 0)}, {nullptr, test::vec(3, 1, 0)}));
     bullet.simulate(0.1);
     const Eigen::Vector3d place = body->centerOfMass();
     object = body->surfaceObject();
@@ -407,7 +383,7 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
     bullet.simulate(0.5);
     EXPECT_EQ(body->centerOfMass(), place);
     EXPECT_EQ(rigid->getLinearVelocity(), test::vec(0, 0, 0)) << "by the spring of its former world";
-    EXPECT_TRUE(system.destroyBody(body));
+    EXPECT_TRUE(bullet.system.destroyBody(body));
     other.world->removeRigidBody(rigid);
     bullet.world->addRigidBody(rigid);
   }

@@ -2,9 +2,9 @@
 // The application's changes to a surface object act on the soft body as on a rigid body of its mass and
 // inertia. The tests compare it with such a rigid twin in a second world.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
@@ -23,13 +23,13 @@ using test::eigen;
 using test::kRadius;
 using test::kTick;
 using test::momentumOf;
+using test::SoftWorld;
 using test::vec;
 
 constexpr double kMass = 2.0;
 
 SoftBodySettings cubeSettings(const Vector3d& position, double stiffness = 1e4) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
+  SoftBodySettings s = test::settingsAt(position);
   s.totalMass = kMass;
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = 0.1 * std::sqrt(stiffness);
@@ -334,15 +334,13 @@ TEST(SurfaceObjects, aPointToPointConstraintHoldsThemAsRigidBodies) {
 TEST(SurfaceObjects, picksDoNotPullThemThroughWalls) {
   for (const double thickness : {0.1, 0.2, 4.0})
     for (const double clamp : {2.0, 10.0, 30.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       bullet.addPlaneFloor();
       bullet.addBox(vec(thickness / 2, 5, 5), 0, vec(2 + thickness / 2, 0, 0));
-      SoftBodySettings s = test::testedSettings();
-      s.position = {0.5, 1.0, 0};
+      SoftBodySettings s = test::settingsAt({0.5, 1.0, 0});
       s.extensionStiffness = s.compressionStiffness = 2e4;
       s.damping = 60.0;
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
       btPoint2PointConstraint pick(*cube->surfaceObject(), vec(0.1, 0.2, 0));
       pick.m_setting.m_impulseClamp = btScalar(clamp);
       pick.m_setting.m_tau = btScalar(0.001);
@@ -368,16 +366,14 @@ TEST(SurfaceObjects, picksDoNotPullThemThroughWalls) {
 TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
   for (const double tick : {1.0 / 240, 1.0 / 60})
     for (const double mass : {0.2, 1.0, 5.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       bullet.addPlaneFloor();
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = test::settingsAt({0, 2, 0});
       s.extensionStiffness = s.compressionStiffness = 1e4;
       s.damping = 5.0;
-      s.position = {0, 2, 0};
-      SoftBody* shelf = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBody* shelf = bullet.addSoft(test::closedCubeNetwork(), s);
       s.position = {5, 0.7, 0};
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
       const double radius = kRadius;
       btRigidBody* load = bullet.addBox(vec(0.4, 0.2, 0.4), mass, vec(0, 2.7 + radius, 0));
       btRigidBody* plank = bullet.addBox(vec(1, 0.1, 1), 5.0, vec(5, 0.1, 0));
@@ -405,12 +401,11 @@ TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
 /// stored seven times the energy of its motion.
 TEST(SurfaceObjects, aJointDoesNotStretchThem) {
   for (const double tick : {1.0 / 240, 1.0 / 60, 1.0 / 15}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     SoftBodySettings s = test::testedSettings();
     s.extensionStiffness = s.compressionStiffness = 1e5;
     s.damping = 50.0;
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
     cube->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
     btPoint2PointConstraint joint(*cube->surfaceObject(), vec(-0.5, 0, 0));
     bullet.world->addConstraint(&joint, true);
@@ -428,10 +423,9 @@ TEST(SurfaceObjects, aJointDoesNotStretchThem) {
 }
 
 TEST(SurfaceObjects, aHeldBodyOnAFloorStaysOnIt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* soft = *system.createBody(test::closedCubeNetwork(), cubeSettings({0, 0.52, 0}));
+  SoftBody* soft = bullet.addSoft(test::closedCubeNetwork(), cubeSettings({0, 0.52, 0}));
   btRigidBody* object = soft->surfaceObject();
   object->setActivationState(DISABLE_DEACTIVATION);
   // the constraint pulls it into the floor

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Rays, sweeps and contact tests find the deformed surface of a soft body and return the point on it.
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/contacts.h>
@@ -17,6 +17,7 @@ namespace {
 
 using test::BulletWorld;
 using test::eigen;
+using test::SoftWorld;
 
 /// Records the triangle that Bullet reports for a ray's hit.
 struct Contacts final : btCollisionWorld::ContactResultCallback {
@@ -44,8 +45,7 @@ Eigen::Vector3d pointOf(const SurfaceHit& hit) {
 /// A closed cube after motion, rotation and deformation: its triangles are far from where they started.
 struct SurfaceQuery : testing::Test {
   SurfaceQuery() : bullet(0.0), system(*bullet.world) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {3, 1, -2};
+    SoftBodySettings s = test::settingsAt({3, 1, -2});
     s.linearVelocity = {1, 0.5, 0};
     s.angularVelocity = {1, 2, 3};
     body = *system.createBody(test::closedCubeNetwork(), s);
@@ -154,12 +154,10 @@ TEST_F(SurfaceQuery, sweepsAndContactTestsFindItToo) {
 }
 
 TEST(SurfaceOfARope, isFoundAlongItsSprings) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 1, 0};
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = test::settingsAt({0, 1, 0});
   s.pointRadius = 0.05;
-  SoftBody* rope = *system.createBody(test::chainNetwork(4), s);
+  SoftBody* rope = bullet.addSoft(test::chainNetwork(4), s);
   bullet.tick();
   // at 0.6 of the third spring, from two sides; 4 cm off axis still hits, 6 cm does not
   for (const auto& [direction, side] :
@@ -180,11 +178,10 @@ TEST(SurfaceOfARope, isFoundAlongItsSprings) {
 }
 
 TEST(SurfaceQueries, findAMovedBodyAtOnce) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = test::testedSettings();
   s.pointRadius = 0.05;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
   bullet.tick();
   const auto isHitAt = [&](double x) {
     test::TriangleRay ray(test::vec(x, 5, 0.5), test::vec(x, -5, 0.5));

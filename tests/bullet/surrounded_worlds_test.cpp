@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Worlds full of bodies in air, water and fields: threads, lanes, memory.
 #include "support/allocation_counter.h"
-#include "support/bullet_world.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -16,6 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 using test::BulletWorld;
+using test::SoftWorld;
 
 SoftBodySettings settingsInAir() {
   SoftBodySettings s = test::testedSettings();
@@ -83,22 +84,21 @@ TEST(BusySurroundings, allocatesNothingAfterWarmUp) {
 
 TEST(BusySurroundings, bodiesStepTheSameAloneAndInLanes) {
   const auto run = [](int count) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     Air air;
     air.windAt = [](const Vector3d& place, double time) {
       return Vector3d(3.0 * std::sin(place.z() + time), 2.0 * std::cos(time), 0);
     };
-    EXPECT_TRUE(system.setAir(air));
+    EXPECT_TRUE(bullet.system.setAir(air));
     const SharedNetwork rope = *buildRope();
     for (int i = 0; i < count; ++i) {
       SoftBodySettings s = settingsInAir();
       s.totalMass = 0.05;
       s.position = {0, 0, 3.0 * i};
-      EXPECT_TRUE((*system.createBody(rope, s))->pin(0));
+      EXPECT_TRUE((bullet.addSoft(rope, s))->pin(0));
     }
     bullet.simulate(2.0);
-    return system.body(0)->stateHash();
+    return bullet.system.body(0)->stateHash();
   };
   EXPECT_EQ(run(1), run(9));
 }

@@ -4,6 +4,7 @@
 #include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 
 #include <limber/limber.h>
 
@@ -20,6 +21,7 @@ using test::BulletWorld;
 using test::fallOf;
 using test::heightOf;
 using test::kGravity;
+using test::SoftWorld;
 using test::solidOf;
 using test::stiffSolid;
 using test::SurroundingsTest;
@@ -55,11 +57,10 @@ SoftBodySettings clothSettings(double mass) {
 
 /// Returns where the points of a cloth in air are that has swung on one edge for a second.
 std::vector<Vector3d> swungCloth(double tick) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SoftBodySettings s = clothSettings(0.5);
   s.position = {0, 2, 0};
-  SoftBody* body = *system.createBody(clothOf(8), s);
+  SoftBody* body = bullet.addSoft(clothOf(8), s);
   for (std::uint32_t i = 0; i < 9; ++i) body->pin(i);
   for (int i = 0; i < static_cast<int>(std::lround(1.0 / tick)); ++i)
     bullet.world->stepSimulation(static_cast<btScalar>(tick), 0);
@@ -156,17 +157,16 @@ TEST_F(SurroundingsTest, aFlagHangsAtTheAngleOfItsLoads) {
 /// Returns the mean force (N) along the wind on the pole of a light flag.
 double forceOfFlag(double tick) {
   constexpr std::uint32_t kCells = 8;
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Air air;
   air.wind = {15, 0, 0};
-  EXPECT_TRUE(system.setAir(air));
+  EXPECT_TRUE(bullet.system.setAir(air));
   SoftBodySettings s = usualSettings();
   s.totalMass = 0.075;
   s.extensionStiffness = s.compressionStiffness = 5000.0;
   s.damping = 0.5;
   s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Vector3d::UnitX());
-  SoftBody* flag = *system.createBody(clothOf(kCells), s);
+  SoftBody* flag = bullet.addSoft(clothOf(kCells), s);
   for (std::uint32_t row = 0; row <= kCells; ++row) flag->pin(row * (kCells + 1));
   double sum = 0.0;
   int ticks = 0;
@@ -354,11 +354,10 @@ TEST_F(SurroundingsTest, aFieldThatIsNotFiniteIsLeftOut) {
 
 TEST(SurroundedSteppers, haveTheSameTerminalSpeed) {
   for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     SoftBodySettings s = clothSettings(0.5);
     s.stepping.stepper = stepper;
-    const SoftBody* cloth = *system.createBody(clothOf(4), s);
+    const SoftBody* cloth = bullet.addSoft(clothOf(4), s);
     bullet.simulate(8.0);
     EXPECT_EQ(cloth->stepper(), stepper);
     EXPECT_NEAR(fallOf(*cloth), std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.2)), 0.02) << int(stepper);

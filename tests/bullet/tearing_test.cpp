@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Bodies are cut and tear. Whatever happens, mass, momentum, area and volume stay.
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -28,6 +28,7 @@ namespace {
 
 using Eigen::Vector3d;
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 /// What a cut must not change.
@@ -425,8 +426,7 @@ TEST(Tear, aRopeTearsOnceAndKeepsItsSegments) {
 TEST(Tear, aFastBallGoesThroughPaper) {
   constexpr std::uint32_t kCells = 20;
   for (const double tick : {1.0 / 60.0, 1.0 / 480.0}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     ClothSettings grid;
     grid.width = grid.depth = 2.0;
     grid.columns = grid.rows = kCells;
@@ -437,7 +437,7 @@ TEST(Tear, aFastBallGoesThroughPaper) {
     s.pointRadius = 0.01;
     s.elasticLimit.breakStrain = 0.2;
     s.elasticLimit.tear = true;
-    SoftBody* paper = *system.createBody(*buildCloth(grid), s);
+    SoftBody* paper = bullet.addSoft(*buildCloth(grid), s);
     const std::uint32_t points = paper->pointCount();
     for (std::uint32_t i = 0; i < points; ++i) {
       const std::uint32_t x = i % (kCells + 1), z = i / (kCells + 1);
@@ -502,23 +502,23 @@ void onTwoThreads(std::size_t count, const std::function<void(std::size_t)>& tas
 
 /// Bodies of all kinds collide with each other, themselves, a ball and a floor while they are cut and tear.
 std::uint64_t hashOfCrowd(bool threads) {
-  BulletWorld bullet(-9.81);
+  SoftWorld bullet(-9.81);
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
   Listener listener;
-  system.setContactListener(&listener);
-  if (threads) system.setParallelFor(onTwoThreads, 0);
+  bullet.system.setContactListener(&listener);
+  if (threads) bullet.system.setParallelFor(onTwoThreads, 0);
   std::vector<SoftBody*> bodies;
   for (const auto& [name, make] : kKinds) {
     SoftBodySettings s = tearing(0.15);
     s.selfCollision = test::kSurface;
     s.pointRadius = 0.01;
     s.position = Vector3d(0.1 * double(bodies.size()), 0.6 + 0.7 * double(bodies.size()), 0.05);
-    bodies.push_back(*system.createBody(make(), s));
+    bodies.push_back(bullet.addSoft(make(), s));
   }
   bullet.addBox(vec(0.2, 0.2, 0.2), 20.0, vec(0.1, 5, 0));
   btRigidBody* weight = bullet.addBox(vec(0.05, 0.05, 0.05), 1.0, vec(1.5, 3, 0));
-  EXPECT_TRUE(system.addSpring({weight, btVector3(0, 0, 0)}, {bodies[0]->point(3), btVector3(0, 0, 0)}));
+  EXPECT_TRUE(
+      bullet.system.addSpring({weight, btVector3(0, 0, 0)}, {bodies[0]->point(3), btVector3(0, 0, 0)}));
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   std::uint64_t hash = 0;

@@ -2,9 +2,9 @@
 // A flat floor acts as one plane, no matter how it is cut into pieces.
 #include "bullet/soft_body_data.h"
 #include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 #include "support/tiled_floors.h"
 
@@ -18,11 +18,11 @@ namespace limber {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
 using test::FloorKind;
 using test::kGravity;
 using test::kRadius;
 using test::lowest;
+using test::SoftWorld;
 
 class TiledFloor : public testing::TestWithParam<FloorKind> {};
 
@@ -56,12 +56,11 @@ Vector3d velocityOf(const SoftBody& body) {
 TEST_P(TiledFloor, motionOnTilesIsThatOnOnePlane) {
   for (const double stiffness : {1e3, 1e5}) {
     SCOPED_TRACE(stiffness);
-    BulletWorld bullet;
+    SoftWorld bullet;
     test::addTiledFloor(bullet, GetParam(), 0.0);
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = onFloor(0.5 + kRadius, 0.0, 3.0);
     s.extensionStiffness = s.compressionStiffness = stiffness;
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
     double highest = 0.0;
     for (int i = 0; i < 30; ++i) {
       bullet.tick();
@@ -77,14 +76,13 @@ TEST_P(TiledFloor, motionOnTilesIsThatOnOnePlane) {
 TEST_P(TiledFloor, whatIsPutIntoItALittleIsPushedOut) {
   for (const double depth : {-1e-9, 0.0, 1e-9, 1e-4, 0.4 * kRadius}) {
     SCOPED_TRACE(depth);
-    BulletWorld bullet;
+    SoftWorld bullet;
     test::addTiledFloor(bullet, GetParam(), 0.5);
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = onFloor(0.5 - depth, 0.0, 0.0);
     s.position.x() = 0.5;
     s.extensionStiffness = s.compressionStiffness = 1e4;
     s.damping = 5.0;
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
     bullet.simulate(1.0);
     EXPECT_NEAR(lowest(*cube), kRadius, 1e-4);
     EXPECT_NEAR(cube->centerOfMass().y(), 0.5 + kRadius, 5e-3) << "but for its sag";
@@ -93,15 +91,14 @@ TEST_P(TiledFloor, whatIsPutIntoItALittleIsPushedOut) {
 
 /// Bullet finds a tile when a point comes onto it, and would slow the point down at the rounded edge.
 TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   test::addTiledFloor(bullet, GetParam(), 0.0);
-  SoftBodySystem system(*bullet.world);
   // 0.1 m per tick: then corners are 13 mm past the edges of tiles, which are rounded by 40 mm
   SoftBodySettings s = onFloor(0.5 + kRadius, 0.0, 1.5);
   s.collision = Collision::Points;
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
   s.position.z() += 1.1;
-  ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+  ASSERT_TRUE(bullet.system.createBody(test::closedCubeNetwork(), s));
   bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.1, test::vec(0.013, 0.6, -0.74))
       ->setLinearVelocity(test::vec(1.5, 0, 0));
   for (int i = 0; i < 10; ++i) bullet.tick(1.0 / 15.0);
@@ -110,15 +107,14 @@ TEST_P(TiledFloor, pointsInTheWorldSlideOverItBesideOthers) {
 
 /// The contacts that push the points and those with the floor are solved together.
 TEST_P(TiledFloor, pointsInTheWorldAreNotPushedThroughIt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   test::addTiledFloor(bullet, GetParam(), 0.0);
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = onFloor(kRadius, 0.0, 0.0);
   s.collision = Collision::Points;
-  SoftBody* below = *system.createBody(test::pairNetwork(), s);
+  SoftBody* below = bullet.addSoft(test::pairNetwork(), s);
   s.position.y() = 0.3;
   s.linearVelocity.y() = -10.0;
-  ASSERT_TRUE(system.createBody(test::pairNetwork(), s));
+  ASSERT_TRUE(bullet.system.createBody(test::pairNetwork(), s));
   for (int i = 0; i < 10; ++i) {
     bullet.tick();
     EXPECT_GT(gapToFloor(*below, 0.0), -0.1 * kRadius) << i;
@@ -127,10 +123,9 @@ TEST_P(TiledFloor, pointsInTheWorldAreNotPushedThroughIt) {
 
 TEST_P(TiledFloor, aCubeSlidesDownASlopeAgainstFriction) {
   const double slope = M_PI / 6, friction = 0.2;
-  BulletWorld bullet;
+  SoftWorld bullet;
   test::addTiledFloor(bullet, GetParam(), friction, slope);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), onFloor(0.5 + kRadius, slope, 0.0));
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), onFloor(0.5 + kRadius, slope, 0.0));
   bullet.simulate(1.0);
   const double expected = kGravity * (std::sin(slope) - friction * std::cos(slope));
   const double speed = velocityOf(*cube).dot(Vector3d(std::cos(slope), -std::sin(slope), 0));
@@ -145,10 +140,9 @@ TEST_P(TiledFloor, aRopeAndAClothSlideFreely) {
   cloth.width = cloth.depth = 1.0;
   cloth.columns = cloth.rows = 7;
   for (const SharedNetwork& network : {*buildRope(rope), *buildCloth(cloth)}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     test::addTiledFloor(bullet, GetParam(), 0.0, slope);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(network, onFloor(kRadius, slope, 0.0));
+    SoftBody* body = bullet.addSoft(network, onFloor(kRadius, slope, 0.0));
     bullet.simulate(1.0);
     const double speed = velocityOf(*body).dot(Vector3d(std::cos(slope), -std::sin(slope), 0));
     EXPECT_NEAR(speed / (kGravity * std::sin(slope)), 1.0, 3e-3);
@@ -159,13 +153,12 @@ TEST_P(TiledFloor, mirroredAndVerySoftBodiesDoNotSinkIn) {
   for (const double mirror : {1.0, -1.0})
     for (const double stiffness : {1e3, 15.0}) {
       SCOPED_TRACE(testing::Message() << "scale " << mirror << ", " << stiffness << " N/m");
-      BulletWorld bullet;
+      SoftWorld bullet;
       test::addTiledFloor(bullet, GetParam(), 0.5);
-      SoftBodySystem system(*bullet.world);
       SoftBodySettings s = onFloor(0.8, 0.0, 0.0);
       s.scale.x() = mirror;
       s.extensionStiffness = s.compressionStiffness = stiffness;
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
       double deepest = 1.0;
       for (int i = 0; i < 90; ++i) {
         bullet.tick();
@@ -178,7 +171,7 @@ TEST_P(TiledFloor, mirroredAndVerySoftBodiesDoNotSinkIn) {
 
 /// A cube slides from each mesh to the next.
 TEST(SurfaceTiles, aBodyCrossesMeshesAndForgetsThem) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   for (int i = 0; i < 12; ++i) {
     auto mesh = std::make_unique<btTriangleMesh>();
     const double x = -1.0 + 0.5 * i;
@@ -188,8 +181,7 @@ TEST(SurfaceTiles, aBodyCrossesMeshesAndForgetsThem) {
         ->setFriction(0);
     bullet.meshes.push_back(std::move(mesh));
   }
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), onFloor(0.5 + kRadius, 0.0, 5.0));
+  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), onFloor(0.5 + kRadius, 0.0, 5.0));
   bullet.simulate(0.8);
   EXPECT_NEAR(velocityOf(*cube).x(), 5.0, 5e-3);
   // of 12 meshes on its path; four or five are near at a time

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Kinematic drums, rollers and thin discs that turn or move under soft bodies.
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -18,6 +18,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 using test::vec;
 
 btRigidBody* addKinematic(BulletWorld& bullet, std::unique_ptr<btCollisionShape> shape,
@@ -46,7 +47,7 @@ TEST(Drum, takesATautRopeAlong) {
   constexpr double kDrum = 0.3, kThick = 0.05, kSpeed = 1.0;  // m, m, rad/s
   constexpr std::uint32_t kPoints = 40;
   for (const bool capsule : {true, false}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     std::unique_ptr<btCollisionShape> shape;
     if (capsule)
       shape = std::make_unique<btCapsuleShapeZ>(btScalar(kDrum), btScalar(1.2));
@@ -62,14 +63,13 @@ TEST(Drum, takesATautRopeAlong) {
       if (i > 0) loop->springs.push_back({i - 1, i, SpringKind::Structural, 1.0});
     }
     loop->springs.insert(loop->springs.begin() + 1, {0, kPoints - 1, SpringKind::Structural, 1.0});
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = test::testedSettings();
     s.extensionStiffness = s.compressionStiffness = 1e4;
     s.damping = 10.0;
     s.friction = 1.0;
     s.pointRadius = kThick;
     s.angularVelocity = {0, 0, kSpeed};
-    SoftBody* rope = *system.createBody(loop, s);
+    SoftBody* rope = bullet.addSoft(loop, s);
     SoftBodySettings tight = s;
     tight.scale *= 0.97;
     ASSERT_TRUE(rope->change(tight));
@@ -95,16 +95,15 @@ TEST(Drum, takesATautRopeAlong) {
 TEST(Rollers, conveyACubeAtTheSpeedOfTheirSurface) {
   if (!test::kSurface) GTEST_SKIP() << "points fall between the rollers";
   constexpr double kRoller = 0.05, kThick = 0.01, kSpeed = 0.8;  // m, m, m/s
-  BulletWorld bullet;
+  SoftWorld bullet;
   std::vector<btRigidBody*> rollers;
   for (int k = 0; k < 24; ++k) {
     auto shape = std::make_unique<btCapsuleShapeZ>(btScalar(kRoller), btScalar(3));
     rollers.push_back(addKinematic(bullet, std::move(shape), vec(0.11 * k - 0.7, -kRoller, 0)));
   }
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = cubeOn(1.0, 1.0, 3000.0, kThick);
   s.position.y() = 0.5 + kThick;
-  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), s);
   double reached = 0.0;
   for (int i = 1; i <= 90; ++i) {
     const btQuaternion turned(vec(0, 0, 1), btScalar(-kSpeed / kRoller * i / 60.0));
@@ -122,7 +121,7 @@ TEST(Discs, asThinAsCoinsCarryACubeAtItsRadius) {
   constexpr double kPoint = 0.0005, kDisc = 0.2;
   for (const bool hull : {false, true})
     for (const double half : {0.01, 0.005, 0.002}) {
-      BulletWorld bullet;
+      SoftWorld bullet;
       std::unique_ptr<btCollisionShape> shape;
       double top = 0.0;
       if (hull) {
@@ -137,10 +136,9 @@ TEST(Discs, asThinAsCoinsCarryACubeAtItsRadius) {
         shape = std::make_unique<btCylinderShape>(vec(kDisc, half, kDisc));
       }
       btRigidBody* disc = addKinematic(bullet, std::move(shape), vec(0, -half, 0));
-      SoftBodySystem system(*bullet.world);
       SoftBodySettings s = cubeOn(0.05, 0.1, 1000.0, kPoint);
       s.position.y() = 0.03;
-      SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), s);
       double lowest = 1.0;
       for (int i = 1; i <= 60; ++i) {
         disc->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0.001 * i, -half, 0)));
@@ -157,7 +155,7 @@ TEST(Discs, asThinAsCoinsCarryACubeAtItsRadius) {
 TEST(Hulls, ofMillimetresThatTurnCarryACloth) {
   if (!test::kSurface) GTEST_SKIP() << "point masses have the contacts that Bullet finds";
   for (const double half : {0.005, 0.002, 0.001}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     auto cube = std::make_unique<btConvexHullShape>();
     cube->setMargin(btScalar(0.02 * half));
     for (int k = 0; k < 8; ++k)
@@ -166,11 +164,10 @@ TEST(Hulls, ofMillimetresThatTurnCarryACloth) {
     ClothSettings cells;
     cells.width = cells.depth = half;
     cells.columns = cells.rows = 4;
-    SoftBodySystem system(*bullet.world);
     const double mass = 1000.0 * half * half * half;
     SoftBodySettings s = cubeOn(1.0, mass, mass / 25.0 * test::kGravity / (0.001 * half), 0.05 * half);
     s.position.y() = 0.0725 * half;
-    SoftBody* cloth = *system.createBody(*buildCloth(cells), s);
+    SoftBody* cloth = bullet.addSoft(*buildCloth(cells), s);
     for (int i = 1; i <= 30; ++i) {
       table->setWorldTransform(btTransform(btQuaternion(vec(0, 1, 0), btScalar(i / 12.0)), vec(0, -half, 0)));
       bullet.tick();

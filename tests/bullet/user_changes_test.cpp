@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Changes of bodies and world by the application between ticks take effect. The world's substeps and time
 // steps do not change the results.
-#include "support/bullet_world.h"
 #include "support/constants.h"
 #include "support/networks.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/soft_body_system.h>
@@ -15,6 +15,7 @@ namespace {
 
 using test::BulletWorld;
 using test::kTick;
+using test::SoftWorld;
 
 struct Sim {
   explicit Sim(double gravity = -9.81, SoftBodySettings s = test::testedSettings())
@@ -302,9 +303,8 @@ TEST(UserChanges, earlyActionsEnlargeABodyOnTheFloorWithoutThrowingIt) {
 TEST(UserChanges, readingARotatedBodyChangesNothing) {
   if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
   for (const bool look : {false, true}) {
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+    SoftWorld bullet(0);
+    SoftBody* body = bullet.addSoft(test::closedCubeNetwork());
     body->point(0);
     bullet.tick();
     for (std::uint32_t i = 0; i < body->pointCount(); ++i)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Closed bodies in a world keep their volume; pressure inflates them.
-#include "support/bullet_world.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/tested_way.h"
 
 #include <limber/network_builder.h>
@@ -16,6 +16,7 @@ namespace limber {
 namespace {
 
 using test::BulletWorld;
+using test::SoftWorld;
 
 /// Returns the signed volume, m^3.
 double volumeOf(const SoftBody& body) {
@@ -26,25 +27,24 @@ double volumeOf(const SoftBody& body) {
 }
 
 TEST(Volume, isRefusedWhereThereIsNoneAndNothingIsLeftBehind) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SoftBodySettings s = test::testedSettings();
   s.pressure = 1.0;
-  EXPECT_EQ(system.createBody(*buildCloth(), s).error(), "pressure: a rope or cloth encloses no volume");
+  EXPECT_EQ(bullet.system.createBody(*buildCloth(), s).error(),
+            "pressure: a rope or cloth encloses no volume");
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
   s.pressure = -1.0;
-  EXPECT_EQ(system.createBody(test::closedCubeNetwork(), s).error(),
+  EXPECT_EQ(bullet.system.createBody(test::closedCubeNetwork(), s).error(),
             "settings: pressure is -1, must be from 0 to 1e12");
 }
 
 TEST(Volume, bringsAnInvertedBodyBack) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   for (const bool withVolume : {true, false}) {
     SoftBodySettings s = test::testedSettings();
     if (!withVolume) s.volumeModulus = 0.0;
     s.position = {withVolume ? 0.0 : 5.0, 0, 0};
-    SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
     for (std::uint32_t i = 0; i < 8; ++i) {
       const Eigen::Vector3d x = s.position - body->network().restPoints[i];
       body->point(i)->getWorldTransform().setOrigin(test::vec(x.x() + 1e-3 * i, x.y(), x.z()));
@@ -57,24 +57,22 @@ TEST(Volume, bringsAnInvertedBodyBack) {
 
 /// Returns the hashes of falling bodies, rotated and mirrored, which share one network or have one each.
 std::vector<std::uint64_t> hashes(bool shared) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   const SharedNetwork cube = test::closedCubeNetwork();
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {2.0 * i, 1.5, 0};
+    SoftBodySettings s = test::settingsAt({2.0 * i, 1.5, 0});
     s.scale = {i % 3 == 1 ? -1.0 : 1.0, 1.0 + 0.1 * i, 1.0};
     s.pressure = 5.0 * i;
     s.ambientPressure = i % 4 == 3 ? 100.0 : 0.0;
     s.angularVelocity = {1, 2, 3};
-    (void)*system.createBody(shared ? cube : test::closedCubeNetwork(), s);
+    (void)bullet.addSoft(shared ? cube : test::closedCubeNetwork(), s);
   }
   bullet.simulate(2.0);
   std::vector<std::uint64_t> all;
-  for (std::size_t i = 0; i < system.bodyCount(); ++i) {
-    all.push_back(system.body(i)->stateHash());
-    EXPECT_GT(std::abs(volumeOf(*system.body(i))), 0.8);
+  for (std::size_t i = 0; i < bullet.system.bodyCount(); ++i) {
+    all.push_back(bullet.system.body(i)->stateHash());
+    EXPECT_GT(std::abs(volumeOf(*bullet.system.body(i))), 0.8);
   }
   return all;
 }
@@ -158,21 +156,19 @@ TEST(Volume, undampedFlightIsReversible) {
 }
 
 TEST(Volume, isKeptByABallThatIsPressedFlat) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   double heights[2], volumes[2];
   for (const int gas : {0, 1}) {
     NetworkSettings network;
     network.braces = BraceRule::None;
     network.braceWeight = 1.0;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {5.0 * gas, 1.0, 0};
+    SoftBodySettings s = test::settingsAt({5.0 * gas, 1.0, 0});
     s.extensionStiffness = s.compressionStiffness = 10.0;
     s.damping = 1.0;
     s.volumeModulus = 0.0;
     s.pressure = gas ? 20.0 : 0.0;
-    SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(1), network), s);
+    SoftBody* ball = bullet.addSoft(*buildNetwork(small_meshes::icosphere(1), network), s);
     bullet.simulate(8.0);
     heights[gas] = ball->centerOfMass().y(), volumes[gas] = volumeOf(*ball);
   }
@@ -185,21 +181,19 @@ TEST(Volume, isKeptByABallThatIsPressedFlat) {
 /// take, which is less than a thousandth at sea level.
 TEST(Volume, ofABallFilledWithAirFollowsBoylesLaw) {
   for (const int maxSubsteps : {0, 12}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     NetworkSettings network;
     network.braces = BraceRule::None;
     network.braceWeight = 1.0;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.2, 0};
+    SoftBodySettings s = test::settingsAt({0, 1.2, 0});
     s.extensionStiffness = s.compressionStiffness = 50.0;
     s.damping = 1.0;
     s.volumeModulus = 0.0;
     s.pressure = 5000.0;
     s.ambientPressure = 101325.0;
     s.stepping.maxSubsteps = maxSubsteps;
-    SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(2), network), s);
+    SoftBody* ball = bullet.addSoft(*buildNetwork(small_meshes::icosphere(2), network), s);
     const double rest = volumeOf(*ball);
     bullet.simulate(4.0);
     EXPECT_NEAR(volumeOf(*ball) / rest, 1.0 + 5000.0 / 101325.0, 1e-3) << ball->softening();
@@ -243,11 +237,10 @@ TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
   double swelling[3];
   const double ratios[] = {0.25, 0.35, 0.45};
   for (int i = 0; i < 3; ++i) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, test::testedSettings());
     s.damping = 30.0;
-    swelling[i] = swellingOf(**system.createBody(block, s), bullet);
+    swelling[i] = swellingOf(*bullet.addSoft(block, s), bullet);
     // the requested ratio is a mean over all directions of a lattice that is not quite isotropic
     EXPECT_NEAR(swelling[i], ratios[i], 0.06);
   }
@@ -259,14 +252,12 @@ TEST(Volume, ofTetrahedraCountsAsElasticEnergy) {
   MaterialMesh mesh;
   mesh.points = 40;
   const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   double energies[2];
   for (const int i : {0, 1}) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {3.0 * i, 0, 0};
+    SoftBodySettings s = test::settingsAt({3.0 * i, 0, 0});
     s.volumeModulus = i * 1e6;
-    SoftBody* body = *system.createBody(block, s);
+    SoftBody* body = bullet.addSoft(block, s);
     for (std::uint32_t p = 0; p < body->pointCount(); ++p) {
       const Eigen::Vector3d x = s.position + 0.9 * block->restPoints[p];
       body->point(p)->getWorldTransform().setOrigin(test::vec(x.x(), x.y(), x.z()));
@@ -281,9 +272,8 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
   MaterialMesh mesh;
   mesh.points = 40;
   const auto hash = [&](bool together) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     const SharedNetwork shared = *buildMaterialNetwork(small_meshes::cube(), mesh);
     std::vector<std::uint64_t> all;
     for (int i = 0; i < 5; ++i) {
@@ -293,11 +283,12 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
       s.angularVelocity = {1, 2, 3};
       s = *withMaterial(*shared, {1e4, 0.3, 200.0}, s);
       const auto body =
-          system.createBody(together ? shared : *buildMaterialNetwork(small_meshes::cube(), mesh), s);
+          bullet.system.createBody(together ? shared : *buildMaterialNetwork(small_meshes::cube(), mesh), s);
       EXPECT_TRUE(body) << body.error();
     }
     bullet.simulate(1.0);
-    for (std::size_t i = 0; i < system.bodyCount(); ++i) all.push_back(system.body(i)->stateHash());
+    for (std::size_t i = 0; i < bullet.system.bodyCount(); ++i)
+      all.push_back(bullet.system.body(i)->stateHash());
     return all;
   };
   EXPECT_EQ(hash(true), hash(false));
@@ -305,12 +296,11 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
 
 /// Returns the positions of a ball of a material that spins, half a second after it was hit.
 std::vector<double> hitBall(const SharedNetwork& ball, const Material& material, int minSubsteps) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = *withMaterial(*ball, material, test::testedSettings());
   s.angularVelocity = {0, 3, 0};
   s.stepping.minSubsteps = minSubsteps;
-  SoftBody* body = *system.createBody(ball, s);
+  SoftBody* body = bullet.addSoft(ball, s);
   body->applyImpulse(btVector3(0, btScalar(0.005 * s.totalMass), 0), 0);
   bullet.simulate(0.5);
   std::vector<double> xyz;

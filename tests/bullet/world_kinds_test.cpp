@@ -26,8 +26,7 @@ struct Heap {
 
 Heap addHeap(BulletWorld& bullet, SoftBodySystem& system) {
   bullet.addBoxFloor();
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.6, 0};
+  SoftBodySettings s = test::settingsAt({0, 0.6, 0});
   s.pointRadius = 0.02;
   s.damping = 5.0;
   Heap heap{*system.createBody(test::closedCubeNetwork(), s), nullptr};

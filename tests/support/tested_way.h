@@ -26,4 +26,11 @@ inline SoftBodySettings testedSettings() {
   return s;
 }
 
+/// Returns the same for a body with its origin at `position` (m).
+inline SoftBodySettings settingsAt(const Eigen::Vector3d& position) {
+  SoftBodySettings s = testedSettings();
+  s.position = position;
+  return s;
+}
+
 }  // namespace limber::test
