@@ -3,15 +3,7 @@
 // second, and no tick takes more substeps than a tick has at most.
 #include "fuzz/dice.h"
 #include "solver/stepping_choice.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,12 +13,10 @@
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using fuzz::Dice;
-using test::BulletWorld;
-using test::SoftWorld;
 
 /// One of the bounds, or log-uniform between them. A range from 0 has its decades from `least`.
 double anyIn(Dice& dice, double low, double high, double least) {
@@ -76,7 +66,7 @@ void rollElasticLimit(Dice& dice, ElasticLimit& limit) {
 }
 
 SoftBodySettings rolledSettings(Dice& dice) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   rollPlacement(dice, s);
   roll(dice, s.extensionStiffness, 0, 1e12, 1e-6);
   s.compressionStiffness = s.extensionStiffness;
@@ -99,25 +89,21 @@ SoftBodySettings rolledSettings(Dice& dice) {
 }
 
 SharedNetwork rolledNetwork(Dice& dice) {
-  ClothSettings cloth;
-  cloth.columns = cloth.rows = 3;
-  RopeSettings rope;
-  rope.segments = 9;
   switch (dice.below(8)) {
     case 0:
-      return *buildCloth(cloth);
+      return squareCloth(3);
     case 1:
-      return *buildRope(rope);
+      return ropeNetwork(9);
     case 2:
-      return test::cubeNetwork();
+      return cubeNetwork();
     case 3:
-      return test::fullCubeNetwork();
+      return fullCubeNetwork();
     case 4:
-      return test::tetrahedronNetwork();
+      return tetrahedronNetwork();
     case 5:
-      return test::tetrahedralCubeNetwork();
+      return tetrahedralCubeNetwork();
     default:
-      return test::closedCubeNetwork();
+      return closedCubeNetwork();
   }
 }
 
@@ -197,14 +183,14 @@ TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
       for (const double friction : {0.5, 1e6}) {
         SoftWorld bullet;
         bullet.addPlaneFloor();
-        SoftBodySettings s = test::testedSettings();
+        SoftBodySettings s = testedSettings();
         s.scale.setConstant(1e-5);
         s.position.y() = 6e-6;
         s.linearVelocity = {2.7e4, -2.7e4, 0};
         s.damping = damping;
         s.friction = friction;
         s.stepping.stepper = stepper;
-        SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
+        SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
         for (int i = 0; i < 10; ++i) {
           const bool touched = !body->contacts().empty();
           bullet.tick();
@@ -217,4 +203,4 @@ TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,34 +1,20 @@
 // SPDX-License-Identifier: Zlib
 // Bodies whose budget (maxSubsteps) is far below what Verlet needs are softened: the number of substeps, what
 // is softened and by how much, and contacts, pins, anchors, links and rigid partners.
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <memory>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kGravity;
-using test::SoftWorld;
 
 constexpr int kBudget = 20;
 
 SoftBodySettings stiff(double stiffness, double mass) {
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.0;
+  SoftBodySettings s = testedSettings();
+  setSprings(s, stiffness, 0.0);
   s.totalMass = mass;
   s.stepping.maxSubsteps = kBudget;
   return s;
@@ -46,12 +32,6 @@ double strainOf(const SoftBody& body) {
   return std::sqrt(sum / static_cast<double>(network.springs.size()));
 }
 
-SharedNetwork cloth(std::uint32_t cells) {
-  ClothSettings settings;
-  settings.columns = settings.rows = cells;
-  return *buildCloth(settings);
-}
-
 TEST(BudgetInContact, holdsAtAnyStiffness) {
   for (const double stiffness : {1e3, 1e5, 1e7}) {
     SoftWorld bullet(-kGravity);
@@ -59,7 +39,7 @@ TEST(BudgetInContact, holdsAtAnyStiffness) {
     bullet.addBox({btScalar(0.2), btScalar(0.2), btScalar(0.2)}, 2.0, {0, 2, 0});
     SoftBodySettings s = stiff(stiffness, 1.0);
     s.position.y() = 0.6;
-    SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     for (int tick = 0; tick < 120; ++tick) {
       bullet.tick();
       ASSERT_LE(body->substeps(), kBudget) << stiffness;
@@ -75,17 +55,17 @@ TEST(BudgetInContact, aBoxRestsOnAStiffCube) {
   SoftBodySettings s = stiff(1e6, 1.0);
   s.collision = Collision::Surface;
   s.position.y() = 0.53;
-  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
   bullet.simulate(5.0);
   const double radius = pointRadius(body->network(), body->settings());
   // the cube's edge, twice its radius, and half of the box
-  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), 1.0 + 2.0 * radius + 0.3, 0.02);
+  EXPECT_NEAR(heightOf(*box), 1.0 + 2.0 * radius + 0.3, 0.02);
   EXPECT_LT(double(box->getLinearVelocity().length()), 0.01);
   EXPECT_LE(body->substeps(), kBudget);
 }
 
 TEST(BudgetInContact, aStackOfTenStands) {
-  if (test::testedSettings().collision == Collision::Points) GTEST_SKIP() << "corners alone do not stack";
+  if (testedSettings().collision == Collision::Points) GTEST_SKIP() << "corners alone do not stack";
   SoftWorld bullet(-kGravity);
   bullet.addPlaneFloor();
   SoftBodySettings s = stiff(1e6, 1.0);
@@ -93,7 +73,7 @@ TEST(BudgetInContact, aStackOfTenStands) {
   std::vector<SoftBody*> cubes;
   for (int i = 0; i < 10; ++i) {
     s.position.y() = 0.55 + 1.05 * i;
-    cubes.push_back(bullet.addSoft(test::closedCubeNetwork(), s));
+    cubes.push_back(bullet.addSoft(closedCubeNetwork(), s));
   }
   bullet.simulate(5.0);
   for (std::size_t i = 0; i < cubes.size(); ++i) {
@@ -118,7 +98,7 @@ Drape drape(double stiffness, int maxSubsteps, double seconds) {
   s.position.y() = 0.4;
   s.pointRadius = 0.005;
   s.stepping.maxSubsteps = maxSubsteps;
-  SoftBody* body = bullet.addSoft(cloth(14), s);
+  SoftBody* body = bullet.addSoft(squareCloth(14), s);
   Drape result;
   for (int tick = 0; tick < static_cast<int>(60 * seconds); ++tick) {
     bullet.tick();
@@ -163,17 +143,17 @@ struct Played {
 TEST(Softening, isOnlyWhatTheBudgetDoesNotResolve) {
   SoftBodySettings s = stiff(1e3, 1.0);
   s.stepping.maxSubsteps = 1000;
-  EXPECT_EQ(Played(test::closedCubeNetwork(), s).body->softening(), 1.0);
+  EXPECT_EQ(Played(closedCubeNetwork(), s).body->softening(), 1.0);
   s = stiff(1e6, 1.0);
   s.stepping.maxSubsteps = 0;
-  EXPECT_EQ(Played(test::closedCubeNetwork(), s).body->softening(), 1.0);
+  EXPECT_EQ(Played(closedCubeNetwork(), s).body->softening(), 1.0);
 }
 
 TEST(Softening, isInverseToTheStiffnessAndGrowsWithTheSquareOfTheBudget) {
   const auto share = [](double stiffness, int budget) {
     SoftBodySettings s = stiff(stiffness, 1.0);
     s.stepping.maxSubsteps = budget;
-    return Played(test::closedCubeNetwork(), s).body->softening();
+    return Played(closedCubeNetwork(), s).body->softening();
   };
   const double once = share(1e6, 10);
   EXPECT_LT(once, 0.1);
@@ -216,12 +196,12 @@ TEST(Softening, withoutABudgetIsThatOfTenThousandSubsteps) {
   s.pointRadius = 0.01;
   s.stepping.maxSubsteps = 0;
   s.stepping.stepper = Stepper::Verlet;
-  Played played(test::pairNetwork(), s);
+  Played played(pairNetwork(), s);
   const double softened = played.body->softening() * kStiffness;
   EXPECT_LT(softened, 1e4);
   // the ends fly apart: with half the mass each, the spring stretches by  v / omega,  omega^2 = 4 k / m
   for (const std::uint32_t end : {0u, 1u})
-    played.body->point(end)->setLinearVelocity(test::vec(end == 0 ? -0.5 * kSpeed : 0.5 * kSpeed, 0, 0));
+    played.body->point(end)->setLinearVelocity(vec(end == 0 ? -0.5 * kSpeed : 0.5 * kSpeed, 0, 0));
   double largest = 0.0;
   for (int tick = 0; tick < 60; ++tick) {
     played.bullet.tick(1.0 / (61.0 + tick));  // a quarter of the oscillation is one substep of 1/60 s / 10000
@@ -237,7 +217,7 @@ TEST(Softening, withoutABudgetIsThatOfTenThousandSubsteps) {
 
 TEST(Softening, isThatOfTheLongestTick) {
   SoftWorld bullet(0.0);
-  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), stiff(1e6, 1.0));
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), stiff(1e6, 1.0));
   const auto shareAfter = [&](double tick) {
     bullet.tick(tick);
     return body->softening();
@@ -252,15 +232,15 @@ TEST(Softening, keepsMomentaInFreeFlight) {
   SoftBodySettings s = stiff(1e7, 1.0);
   s.linearVelocity = {1, 2, 3};
   s.angularVelocity = {3, -2, 5};
-  Played played(test::closedCubeNetwork(), s);
+  Played played(closedCubeNetwork(), s);
   const Eigen::Vector3d momentum = played.body->linearMomentum(), spin = played.body->angularMomentum();
-  const double energy = test::energyOf(*played.body);
+  const double energy = energyOf(*played.body);
   for (int tick = 0; tick < 300; ++tick) played.bullet.tick();
   EXPECT_LE(played.body->substeps(), kBudget);
   // Bullet's velocities are in single precision
   EXPECT_LT((played.body->linearMomentum() - momentum).norm(), 1e-5 * momentum.norm());
   EXPECT_LT((played.body->angularMomentum() - spin).norm(), 1e-4 * spin.norm());
-  EXPECT_LT(test::energyOf(*played.body), 1.01 * energy);
+  EXPECT_LT(energyOf(*played.body), 1.01 * energy);
 }
 
 TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
@@ -278,7 +258,7 @@ TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
     s.pointRadius = 0.02;
     s.stepping.maxSubsteps = budget;
     s.stepping.stepper = Stepper::Verlet;
-    SoftBody* body = bullet.addSoft(test::chainNetwork(kLinks), s);
+    SoftBody* body = bullet.addSoft(chainNetwork(kLinks), s);
     ASSERT_TRUE(body->pin(0));
     bullet.simulate(5.0);
     const double measured = (body->position(kLinks) - body->position(0)).norm() - 1.0;
@@ -292,7 +272,7 @@ TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
 TEST(Softening, ofTheVolumeIsTheSame) {
   SoftBodySettings s = stiff(1e3, 1.0);
   s.volumeModulus = 1e9;
-  Played played(test::closedCubeNetwork(), s);
+  Played played(closedCubeNetwork(), s);
   EXPECT_LT(played.body->softening(), 0.01);
   EXPECT_LE(played.body->substeps(), kBudget);
 }
@@ -332,7 +312,7 @@ TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
     s.damping = 1.0;
     s.stepping.maxSubsteps = 0;
     s.position.y() = 1.2;
-    SoftBody* cube = bullet.addSoft(test::cubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(cubeNetwork(), s);
     s = stiff(1e3, 0.2);
     s.stepping.maxSubsteps = 3;
     s.position = {0.5, 1.7, 0.5};
@@ -344,7 +324,7 @@ TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
     double least = 1.0;
     const auto energy = [&] {
       double sum = 0.0;
-      for (const SoftBody* body : {cube, rope}) sum += test::energyOf(*body, kGravity);
+      for (const SoftBody* body : {cube, rope}) sum += energyOf(*body, kGravity);
       return sum;
     };
     const double start = energy();
@@ -371,7 +351,7 @@ TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
   SoftBodySettings s = stiff(1e5, 1.0);
   s.damping = 5.0;
   s.position.y() = -1.0;
-  SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
   SpringSettings link;
   link.stiffness = 1e5;
   link.damping = 20.0;
@@ -391,7 +371,7 @@ TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
 TEST(BudgetWithLinks, anAttachedBodyFollowsItsRigidBody) {
   SoftWorld bullet(-kGravity);
   btRigidBody* box = bullet.addBox({btScalar(0.2), btScalar(0.2), btScalar(0.2)}, 5.0, {0, btScalar(0.9), 0});
-  SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), stiff(1e6, 1.0));
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), stiff(1e6, 1.0));
   std::uint32_t top = 0;
   for (std::uint32_t i = 0; i < body->pointCount(); ++i)
     if (body->position(i).y() > body->position(top).y()) top = i;
@@ -408,4 +388,4 @@ TEST(BudgetWithLinks, anAttachedBodyFollowsItsRigidBody) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // What is asked, added, removed or refused beside a body leaves the body's motion as it is.
-#include "support/bullet_measures.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::kTick;
-using test::SoftWorld;
-using test::vec;
-
 void addCubeFarAway(SoftBodySystem& system) {
-  SoftBodySettings s = test::settingsAt({100, 0, 0});
-  ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+  ASSERT_TRUE(system.createBody(closedCubeNetwork(), settingsAt({100, 0, 0})));
 }
 
 TEST(Bystanders, aTowedBoxKeepsItsSpeed) {
@@ -32,10 +19,8 @@ TEST(Bystanders, aTowedBoxKeepsItsSpeed) {
   for (const Beside beside : {Beside::Nothing, Beside::NewBody, Beside::SavedStates}) {
     SoftWorld bullet(0.0);
     btRigidBody* car = bullet.addBox(vec(0.1, 0.1, 0.1), 0.0, vec(0, 0, 0));
-    car->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    car->setActivationState(DISABLE_DEACTIVATION);
-    btRigidBody* box = bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(-1, 0, 0));
-    box->setActivationState(DISABLE_DEACTIVATION);
+    makeKinematic(*car);
+    btRigidBody* box = bullet.addAwakeBox(vec(0.1, 0.1, 0.1), 1.0, vec(-1, 0, 0));
     box->setLinearVelocity(vec(kSpeed, 0, 0));
     SpringSettings hook;
     hook.damping = 100.0;
@@ -54,12 +39,10 @@ TEST(Bystanders, aTowedBoxKeepsItsSpeed) {
 /// It needs more than the 10 000 substeps that a tick may have.
 TEST(Bystanders, aBodyThatIsTooStiffStaysSoftened) {
   SoftWorld bullet;
-  RopeSettings rope;
-  rope.segments = 2;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.extensionStiffness = s.compressionStiffness = 1e12;
   s.stepping.stepper = Stepper::Verlet;
-  SoftBody* body = bullet.addSoft(*buildRope(rope), s);
+  SoftBody* body = bullet.addSoft(ropeNetwork(2), s);
   bullet.simulate(0.2);
   const double softening = body->softening();
   EXPECT_LT(softening, 0.1);
@@ -73,8 +56,7 @@ TEST(Bystanders, aBodyThatIsTooStiffStaysSoftened) {
 TEST(Bystanders, aLinkThatIsTooStiffThrowsNothing) {
   for (const double stiffness : {1e6, 1e8, 1e12}) {
     SoftWorld bullet;
-    btRigidBody* box = bullet.addBox(vec(0.1, 0.1, 0.1), 0.01, vec(0, 0, 0));
-    box->setActivationState(DISABLE_DEACTIVATION);
+    btRigidBody* box = bullet.addAwakeBox(vec(0.1, 0.1, 0.1), 0.01, vec(0, 0, 0));
     SpringSettings spring;
     spring.stiffness = stiffness;
     ASSERT_TRUE(bullet.system.addSpring({box, vec(2, 0, 0)}, {nullptr, vec(2, 1, 0)}, spring));
@@ -88,9 +70,9 @@ TEST(Bystanders, aLinkThatIsTooStiffThrowsNothing) {
 
 TEST(Bystanders, aQueryOfForcesBreaksNoSprings) {
   SoftWorld bullet(0.0);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.breakStrain = 0.5;
-  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
   ASSERT_TRUE(cube->pin(0));
   bullet.tick();
   const Eigen::Vector3d start = cube->position(0);
@@ -103,12 +85,10 @@ TEST(Bystanders, aQueryOfForcesBreaksNoSprings) {
 
 TEST(Bystanders, aSlackRopeHasNoDamping) {
   SoftWorld bullet(0.0);
-  RopeSettings rope;
-  rope.segments = 1;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.compressionStiffness = 0.0;
   s.damping = 10.0;
-  SoftBody* body = bullet.addSoft(*buildRope(rope), s);
+  SoftBody* body = bullet.addSoft(ropeNetwork(1), s);
   ASSERT_TRUE(body->pin(0));
   bullet.tick();
   body->point(1)->getWorldTransform().setOrigin(vec(0.5, 0, 0));
@@ -120,17 +100,15 @@ TEST(Bystanders, whatHungOnABodyThatGoesFalls) {
   enum class Way { Detach, Destroy, Forget, RemoveAll };
   for (const Way way : {Way::Detach, Way::Destroy, Way::Forget, Way::RemoveAll}) {
     SoftWorld bullet;
-    RopeSettings rope;
-    rope.segments = 4;
-    SoftBodySettings s = test::settingsAt({0, 5, 0});
+    SoftBodySettings s = settingsAt({0, 5, 0});
     s.damping = 20.0;
-    SoftBody* body = bullet.addSoft(*buildRope(rope), s);
+    SoftBody* body = bullet.addSoft(ropeNetwork(4), s);
     for (std::uint32_t i = 0; i < 4; ++i) ASSERT_TRUE(body->pin(i));
     btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(1, 4, 0));
     ASSERT_TRUE(bullet.system.attach(body, 4u, *box, vec(0, 1, 0)));
     for (int i = 0; i < 3000 && !body->sleeping(); ++i) bullet.tick();
     ASSERT_TRUE(body->sleeping());
-    const double height = double(box->getWorldTransform().getOrigin().y());
+    const double height = heightOf(*box);
     switch (way) {
       case Way::Detach:
         EXPECT_TRUE(bullet.system.detach(body, 4u));
@@ -146,7 +124,7 @@ TEST(Bystanders, whatHungOnABodyThatGoesFalls) {
         break;
     }
     bullet.simulate(1.0);
-    EXPECT_LT(double(box->getWorldTransform().getOrigin().y()), height - 4.0) << int(way);
+    EXPECT_LT(heightOf(*box), height - 4.0) << int(way);
   }
 }
 
@@ -155,11 +133,11 @@ TEST(Bystanders, aStateThatIsRefusedChangesNoBody) {
   SoftWorld bullet(0.0);
   std::vector<std::uint8_t> state;
   const auto addTwo = [](SoftBodySystem& system, double side) {
-    SoftBodySettings s = test::testedSettings();
-    ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+    SoftBodySettings s = testedSettings();
+    ASSERT_TRUE(system.createBody(closedCubeNetwork(), s));
     s.position = {3, 0, 0};
     s.scale.x() = side;
-    ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+    ASSERT_TRUE(system.createBody(closedCubeNetwork(), s));
   };
   {
     SoftBodySystem system(*bullet.world);
@@ -176,4 +154,4 @@ TEST(Bystanders, aStateThatIsRefusedChangesNoBody) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,33 +1,21 @@
 // SPDX-License-Identifier: Zlib
 // Settings, place and motion of a body change while it lives. What does not change keeps its energy.
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kTick;
-using test::SoftWorld;
-using test::vec;
 
 /// Relative tolerance of what Bullet's floats hold: positions, velocities and masses have 24 bits.
 constexpr double kFloat = 1e-5;
 
 struct World {
-  explicit World(double gravity = 0.0, SoftBodySettings s = test::testedSettings(),
-                 const SharedNetwork& network = test::closedCubeNetwork())
+  explicit World(double gravity = 0.0, SoftBodySettings s = testedSettings(),
+                 const SharedNetwork& network = closedCubeNetwork())
       : bullet(gravity), system(*bullet.world) {
     s.damping = 0.0;
     body = *system.createBody(network, s);
@@ -65,7 +53,7 @@ TEST(Change, theSameSettingsChangeNothing) {
 }
 
 TEST(Change, aStiffnessActsAtThePresentStrains) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.volumeModulus = 0.0;
   World world(0.0, s);
   stirred(world);
@@ -95,14 +83,14 @@ TEST(Change, aChangedBodyMovesLikeOneMadeSo) {
     s.pointRadius = 0.03;
     s.stepping.minSubsteps = 17;
   };
-  SoftBodySettings made = test::settingsAt({0, 0.8, 0});
+  SoftBodySettings made = settingsAt({0, 0.8, 0});
   made.damping = 0.0;
   World changed(-9.81, made);
   changed.bullet.addBoxFloor();
   changed.change(edit);
   edit(made);
   SoftWorld bullet(-9.81);
-  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), made);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), made);
   bullet.addBoxFloor();
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -126,7 +114,7 @@ TEST(Change, massKeepsVelocitiesAndScalesMomentum) {
 }
 
 TEST(Change, scaleKeepsCentreAndStrains) {
-  SoftBodySettings s = test::settingsAt({5, 6, 7});
+  SoftBodySettings s = settingsAt({5, 6, 7});
   s.volumeModulus = 0.0;
   World world(0.0, s);
   world.body->setVelocity(vec(0, 0, 0), vec(0, 3, 0));
@@ -176,16 +164,11 @@ TEST(Change, radiusAndSleep) {
   world.change([](SoftBodySettings& s) { s.damping = 5.0, s.pointRadius = 0.02, s.sleepingSpeed = 0.0; });
   ASSERT_TRUE(world.body->reset(btTransform(btQuaternion::getIdentity(), vec(0, 0.55, 0))));
   world.bullet.simulate(4.0);
-  const auto lowest = [&] {
-    double y = 1e9;
-    for (std::uint32_t i = 0; i < world.body->pointCount(); ++i) y = std::min(y, world.body->position(i).y());
-    return y;
-  };
-  EXPECT_NEAR(lowest(), 0.02, 1e-3) << "rests a radius above the floor";
+  EXPECT_NEAR(lowest(*world.body), 0.02, 1e-3) << "rests a radius above the floor";
   EXPECT_FALSE(world.body->sleeping()) << "0: never";
   world.change([](SoftBodySettings& s) { s.pointRadius = 0.05; });
   world.bullet.simulate(4.0);
-  EXPECT_NEAR(lowest(), 0.05, 1e-3);
+  EXPECT_NEAR(lowest(*world.body), 0.05, 1e-3);
   world.change([](SoftBodySettings& s) { s.sleepingSpeed = 0.1; });
   world.bullet.simulate(4.0);
   EXPECT_TRUE(world.body->sleeping());
@@ -206,7 +189,7 @@ TEST(Change, filters) {
 
 TEST(Change, gravityFactor) {
   for (const double factor : {0.0, -0.5, 0.25}) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.gravityFactor = factor;
     World made(-10.0, s), changed(-10.0);
     changed.change([&](SoftBodySettings& t) { t.gravityFactor = factor; });
@@ -221,9 +204,9 @@ TEST(Change, gravityFactor) {
 }
 
 TEST(Change, whatYieldedStaysYielded) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.yieldStrain = 0.02;
-  World world(0.0, s, test::pairNetwork());
+  World world(0.0, s, pairNetwork());
   world.body->pin(0);
   world.body->pin(1);
   world.body->movePin(1, vec(1.2, 0, 0));
@@ -242,7 +225,7 @@ TEST(Change, whatYieldedStaysYielded) {
 }
 
 TEST(PresentNetwork, aDentIsTheRestShapeOfAnotherBody) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.yieldStrain = 0.02;
   s.damping = 5.0;
   s.scale = {1.0, 2.0, 0.5};
@@ -267,9 +250,9 @@ TEST(PresentNetwork, aDentIsTheRestShapeOfAnotherBody) {
 }
 
 TEST(PresentNetwork, brokenSpringsAreMissing) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.breakStrain = 0.1;
-  World world(0.0, s, *withGroup(*test::closedCubeNetwork(), "all", {0, 1, 2, 3, 4, 5, 6, 7}));
+  World world(0.0, s, *withGroup(*closedCubeNetwork(), "all", {0, 1, 2, 3, 4, 5, 6, 7}));
   world.body->pin(0);
   world.body->pin(1);
   world.body->movePin(1, world.body->point(1)->getWorldTransform().getOrigin() + vec(0.5, 0.5, 0.5));
@@ -336,9 +319,9 @@ TEST(Change, bodiesThatAreNotAliveRefuseAllChanges) {
 // --- groups ------------------------------------------------------------------------------------------------
 
 TEST(ChangeOfGroups, factorsApplyToTheirSpringsAndPoints) {
-  const SharedNetwork network = *withGroup(*test::chainNetwork(4), "end", {3, 4});
+  const SharedNetwork network = *withGroup(*chainNetwork(4), "end", {3, 4});
   ASSERT_EQ(network->groups[0].springs.size(), 1u);
-  World world(0.0, test::testedSettings(), network);
+  World world(0.0, testedSettings(), network);
   const double mass = world.body->totalMass();
   world.change([](SoftBodySettings& s) { s.groups = {{"end", 10.0, 1.0, 1.0, 3.0}}; });
   EXPECT_NEAR(world.body->totalMass(), mass * (1.0 + 2.0 * 2.0 / 5.0), mass * kFloat);
@@ -356,8 +339,8 @@ TEST(ChangeOfGroups, factorsApplyToTheirSpringsAndPoints) {
 }
 
 TEST(ChangeOfGroups, aSeamBreaksFirst) {
-  const SharedNetwork network = *withGroup(*test::chainNetwork(4), "seam", {1, 2});
-  SoftBodySettings s = test::testedSettings();
+  const SharedNetwork network = *withGroup(*chainNetwork(4), "seam", {1, 2});
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.breakStrain = 0.2;
   s.groups = {{"seam", 1.0, 1.0, 0.25, 1.0}};
   World world(0.0, s, network);
@@ -380,8 +363,8 @@ TEST(ChangeOfGroups, aSeamBreaksFirst) {
 
 /// A muscle: two points on a spring of three halves of its strength.
 TEST(ChangeOfGroups, aMusclePullsByItsRestLength) {
-  const SharedNetwork network = *withGroup(*test::chainNetwork(4), "muscle", {1, 2});
-  World world(0.0, test::testedSettings(), network);
+  const SharedNetwork network = *withGroup(*chainNetwork(4), "muscle", {1, 2});
+  World world(0.0, testedSettings(), network);
   world.body->pin(1);
   world.body->pin(2);
   world.change([](SoftBodySettings& s) { s.groups = {{"muscle", 1.5, 1.0, 1.0, 1.0, 0.8}}; });
@@ -399,14 +382,14 @@ TEST(ChangeOfGroups, aMusclePullsByItsRestLength) {
 }
 
 TEST(ChangeOfGroups, namesAndIndicesAreChecked) {
-  const SharedNetwork chain = test::chainNetwork(4);
+  const SharedNetwork chain = chainNetwork(4);
   const SpringNetwork& network = *chain;
   EXPECT_EQ(withGroup(network, "end", {3, 9}).error(), "group 0 (end) has point 9 of 5");
   EXPECT_EQ(withGroup(network, "", {3}).error(), "group 0 () has no name");
   EXPECT_EQ(withGroup(**withGroup(network, "end", {3}), "end", {2}).error(),
             "group 1 (end) has the name of an earlier one");
   const SharedNetwork two = *withGroup(**withGroup(network, "end", {3, 4}), "top", {0});
-  World world(0.0, test::testedSettings(), two);
+  World world(0.0, testedSettings(), two);
   SoftBodySettings s = world.body->settings();
   s.groups = {{"arm"}};
   EXPECT_EQ(world.body->change(s).error(), "groups[0].name is arm, must be one of the network's: end, top");
@@ -446,7 +429,7 @@ TEST(Place, pinsMoveWithTheBodyAndAreStill) {
 }
 
 TEST(Place, aFarPinTargetIsReachedAtTheSpeedAllowed) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.maxPinSpeed = 30.0;
   World world(0.0, s);
   ASSERT_TRUE(world.body->pin(0));
@@ -527,9 +510,9 @@ TEST(Push, aForceActsInOneStep) {
 }
 
 TEST(Push, aHitOnTheSurfaceIsPushedThere) {
-  if (!test::kSurface) GTEST_SKIP() << "needs a surface";
+  if (!kSurface) GTEST_SKIP() << "needs a surface";
   World world;
-  test::TriangleRay hits(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1));
+  TriangleRay hits(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1));
   world.bullet.world->rayTest(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1), hits);
   ASSERT_TRUE(hits.hasHit());
   const SurfaceHit hit = surfaceHit(hits.m_collisionObject, hits.triangle, hits.m_hitPointWorld);
@@ -570,4 +553,4 @@ TEST(Push, badValuesAreNamed) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

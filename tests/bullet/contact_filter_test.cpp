@@ -1,42 +1,23 @@
 // SPDX-License-Identifier: Zlib
 // Contacts that the user's filter changes or rejects before they act.
 #include "support/allocation_counter.h"
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/parallel.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kGravity;
-using test::kRadius;
-using test::kTick;
-using test::SoftWorld;
-using test::vec;
 
 /// A cube of 1 m at a height (m) of its lowest surface.
 SoftBody* addFilteredCube(SoftBodySystem& system, double height, double x = 0.0) {
-  SoftBodySettings s = test::settingsAt({x, height + 0.5 + kRadius, 0});
-  s.extensionStiffness = s.compressionStiffness = 5000;
-  s.damping = 20;
+  SoftBodySettings s = settingsAt({x, height + 0.5 + kRadius, 0});
+  setSprings(s, 5000, 20);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 double speedOf(const SoftBody& body) { return body.linearMomentum().x() / body.totalMass(); }
@@ -48,9 +29,8 @@ btRigidBody* addGround(BulletWorld& bullet, Ground ground) {
   if (ground == Ground::Triangles) return bullet.addTriangleFloor();
   if (ground == Ground::Box) return bullet.addBoxFloor();
   if (ground == Ground::Dynamic) bullet.addBox(vec(20, 1, 20), 0, vec(0, -3, 0))->setFriction(1);
-  btRigidBody* box = bullet.addBox(vec(4, 1, 4), ground == Ground::Dynamic ? 1e6 : 0, vec(0, -1, 0));
+  btRigidBody* box = bullet.addAwakeBox(vec(4, 1, 4), ground == Ground::Dynamic ? 1e6 : 0, vec(0, -1, 0));
   box->setFriction(1);
-  box->setActivationState(DISABLE_DEACTIVATION);
   if (ground == Ground::Kinematic) box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
   return box;
 }
@@ -76,7 +56,7 @@ TEST(ContactFilter, aBeltAcceleratesACubeByItsFrictionUpToItsSpeed) {
     EXPECT_NEAR(speedOf(*cube), kFriction * kGravity * 0.3, 0.04 * kFriction * kGravity * 0.3);
     bullet.simulate(1.0);
     EXPECT_NEAR(speedOf(*cube), kBelt, 0.01 * kBelt);
-    EXPECT_NEAR(test::lowest(*cube), kRadius, 0.01);
+    EXPECT_NEAR(lowest(*cube), kRadius, 0.01);
   }
 }
 
@@ -88,11 +68,10 @@ TEST(ContactFilter, aBallOnATurningDrumIsCarriedAlongItsSurface) {
     const btVector3 arm = c.position - drum->getWorldTransform().getOrigin();
     c.surfaceVelocity = btVector3(0, 0, 1).cross(arm) * btScalar(-1);
   });
-  SoftBodySettings s = test::settingsAt({0, 0.22, 0});
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 10;
+  SoftBodySettings s = settingsAt({0, 0.22, 0});
+  setSprings(s, 2000, 10);
   s.scale = {0.2, 0.2, 0.2};
-  SoftBody* ball = bullet.addSoft(*buildNetwork(small_meshes::icosphere(1)), s);
+  SoftBody* ball = bullet.addSoft(bracedNetwork(small_meshes::icosphere(1)), s);
   bullet.simulate(0.6);
   EXPECT_GT(ball->centerOfMass().x(), 0.05) << "clockwise: to the right on top";
 }
@@ -206,13 +185,11 @@ TEST(ContactFilter, massFactorsDoNotMatterWithinABody) {
     bullet.system.setContactFilter([&](ContactCandidate& c) {
       if (differ) c.massFactor = 5.0, c.otherMassFactor = 0.2;
     });
-    RopeSettings r;
-    r.segments = 30;
-    SoftBodySettings s = test::settingsAt({0, 0.1, 0});
+    SoftBodySettings s = settingsAt({0, 0.1, 0});
     s.collision = Collision::Surface;
     s.selfCollision = true;
     s.rotation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());
-    SoftBody* rope = bullet.addSoft(*buildRope(r), s);
+    SoftBody* rope = bullet.addSoft(ropeNetwork(30), s);
     std::size_t selfContacts = 0;
     for (int i = 0; i < 90; ++i) {
       bullet.tick();
@@ -254,10 +231,10 @@ TEST(ContactFilter, aPlatformHoldsFromAboveOnly) {
   double highest = -10;
   for (int i = 0; i < 180; ++i) {
     bullet.tick();
-    highest = std::max(highest, test::lowest(*cube));
+    highest = std::max(highest, lowest(*cube));
   }
   EXPECT_GT(highest, 0.5) << "the platform does not stop it from below";
-  EXPECT_NEAR(test::lowest(*cube), 0.1 + kRadius, 0.02) << "it lies on it";
+  EXPECT_NEAR(lowest(*cube), 0.1 + kRadius, 0.02) << "it lies on it";
 }
 
 TEST(ContactFilter, aClothInsideACharacterLeavesToTheChosenSide) {
@@ -267,23 +244,18 @@ TEST(ContactFilter, aClothInsideACharacterLeavesToTheChosenSide) {
     btRigidBody* character =
         bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(1.2)), 0, vec(0, 0, 0));
     if (kinematic) {
-      character->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-      character->setActivationState(DISABLE_DEACTIVATION);
+      makeKinematic(*character);
     }
     bullet.system.setContactFilter([](ContactCandidate& c) { c.facing = vec(0, 0, -1); });
     // a cape that hangs from the shoulders behind the character (-z), blown through it to the front
-    ClothSettings cape;
-    cape.width = 0.5, cape.depth = 0.9;
-    cape.columns = 6, cape.rows = 10;
-    SoftBodySettings s = test::settingsAt({0, 0.127, -0.1});
+    SoftBodySettings s = settingsAt({0, 0.127, -0.1});
     s.pointRadius = 0.02;
     s.totalMass = 0.3;
-    s.rotation = Eigen::AngleAxisd(0.31 * test::kPi, Eigen::Vector3d::UnitX());
-    s.extensionStiffness = s.compressionStiffness = 500;
-    s.damping = 1;
+    s.rotation = Eigen::AngleAxisd(0.31 * kPi, Eigen::Vector3d::UnitX());
+    setSprings(s, 500, 1);
     s.flow.drag = 1.0;
-    SoftBody* cloth = bullet.addSoft(*buildCloth(cape), s);
-    for (std::uint32_t i = 0; i <= cape.columns; ++i) cloth->pin(i);
+    SoftBody* cloth = bullet.addSoft(clothNetwork(6, 10, 0.5, 0.9), s);
+    for (std::uint32_t i = 0; i <= 6; ++i) cloth->pin(i);
     EXPECT_GT(cloth->position(cloth->pointCount() - 1).z(), 0.1);
     bullet.simulate(4.0);
     double innermost = 1.0;
@@ -305,7 +277,7 @@ TEST(ContactFilter, knowsTheTriangleOfAMesh) {
   std::size_t asked = 0;
   bullet.system.setContactFilter([&](ContactCandidate& c) {
     if (c.distance > 0.05) return;
-    test::TriangleRay ray(c.position + vec(0.001, 1, 0.0007), c.position + vec(0.001, -1, 0.0007));
+    TriangleRay ray(c.position + vec(0.001, 1, 0.0007), c.position + vec(0.001, -1, 0.0007));
     const btTransform from(btQuaternion::getIdentity(), ray.m_rayFromWorld),
         to(btQuaternion::getIdentity(), ray.m_rayToWorld);
     btCollisionWorld::rayTestSingle(from, to, floor, floor->getCollisionShape(), floor->getWorldTransform(),
@@ -318,20 +290,20 @@ TEST(ContactFilter, knowsTheTriangleOfAMesh) {
   SoftBody* cube = addFilteredCube(bullet.system, 0.0, 0.05);
   bullet.simulate(0.2);
   EXPECT_GT(asked, 20u);
-  EXPECT_NEAR(test::lowest(*cube), kRadius, 0.01);
+  EXPECT_NEAR(lowest(*cube), kRadius, 0.01);
 }
 
 TEST(ContactFilter, bouncesWithTheRestitutionOfTheFilter) {
   SoftWorld bullet;
   bullet.addPlaneFloor();
   bullet.system.setContactFilter([](ContactCandidate& c) { c.restitution = 1.0; });
-  SoftBodySettings s = test::settingsAt({0, 1.0 + kRadius, 0});
+  SoftBodySettings s = settingsAt({0, 1.0 + kRadius, 0});
   s.pointRadius = kRadius;
-  SoftBody* pair = bullet.addSoft(test::pairNetwork(), s);
+  SoftBody* pair = bullet.addSoft(pairNetwork(), s);
   double highest = 0.0;
   for (int i = 0; i < 54; ++i) {
     bullet.tick();
-    if (i > 35) highest = std::max(highest, test::lowest(*pair));
+    if (i > 35) highest = std::max(highest, lowest(*pair));
   }
   EXPECT_NEAR(highest, 1.0 + kRadius, 0.05);
 }
@@ -366,7 +338,7 @@ TEST(ContactFilter, aTickAllocatesNothing) {
   addFilteredCube(bullet.system, 0.0);
   // arrays of contacts grow until they have held the most that occur
   bullet.simulate(4.0);
-  const test::AllocationCounter counter;
+  const AllocationCounter counter;
   bullet.simulate(0.5);
   EXPECT_EQ(counter.allocations(), 0u);
 }
@@ -386,10 +358,7 @@ TEST(ContactFilter, givesTheSameBitsOnAnyNumberOfThreads) {
     });
     for (int i = 0; i < 6; ++i) addFilteredCube(bullet.system, 0.3 * i, 0.9 * i)->setVelocity(vec(0, -4, 1));
     bullet.simulate(1.0);
-    std::uint64_t hash = 0;
-    for (std::size_t i = 0; i < bullet.system.bodyCount(); ++i)
-      hash = hash * 31 + bullet.system.body(i)->stateHash();
-    hashes.push_back(hash);
+    hashes.push_back(stateHashOf(bullet.system));
   }
   EXPECT_EQ(hashes[0], hashes[1]);
 }
@@ -398,7 +367,7 @@ TEST(ContactFilter, aFilterThatChangesNothingChangesNoBit) {
   std::vector<std::uint64_t> hashes;
   for (const bool filtered : {false, true}) {
     SoftWorld bullet;
-    addGround(bullet, test::kSurface ? Ground::Dynamic : Ground::Box);
+    addGround(bullet, kSurface ? Ground::Dynamic : Ground::Box);
     if (filtered) bullet.system.setContactFilter([](ContactCandidate&) {});
     SoftBody* cube = addFilteredCube(bullet.system, 0.3);
     cube->setVelocity(vec(1, -2, 0), vec(1, 2, 3));
@@ -424,11 +393,11 @@ TEST(ContactFilter, numbersThatAreNotFiniteAreIgnored) {
       SoftBody* cube = addFilteredCube(bullet.system, 0.01);
       bullet.simulate(1.0);
       // an infinite restitution counts as 1
-      EXPECT_GT(test::lowest(*cube), 0.5 * kRadius);
-      EXPECT_LT(test::lowest(*cube), 0.1);
+      EXPECT_GT(lowest(*cube), 0.5 * kRadius);
+      EXPECT_LT(lowest(*cube), 0.1);
       EXPECT_EQ(cube->restorations(), 0u);
     }
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,26 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Contacts that begin, persist and end.
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <functional>
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::kRadius;
-using test::SoftWorld;
-using test::vec;
 
 /// Records the calls as letters: b(egins), p(ersists) and e(nds).
 struct CallRecorder : ContactListener {
@@ -41,11 +28,10 @@ struct CallRecorder : ContactListener {
 };
 
 SoftBody* addLightlyDampedCube(SoftBodySystem& system, double height, double x = 0.0) {
-  SoftBodySettings s = test::settingsAt({x, height, 0});
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 2;
+  SoftBodySettings s = settingsAt({x, height, 0});
+  setSprings(s, 2000, 2);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 /// A cloth falls on two balls. Points near both have contacts that follow the two surfaces.
@@ -53,7 +39,7 @@ TEST(ContactReport, hasNoContactsOfPointsThatHaveNotTouched) {
   for (const double level : {-10.0, 0.0, 10.0}) {
     SoftWorld bullet;
     for (const double x : {-0.4, 0.4}) bullet.add(std::make_unique<btSphereShape>(0.5f), 0, vec(x, level, 0));
-    SoftBodySettings s = test::settingsAt({0, level + 0.55, 0});
+    SoftBodySettings s = settingsAt({0, level + 0.55, 0});
     s.pointRadius = kRadius;
     SoftBody* cloth = bullet.addSoft(*buildCloth({}), s);
     for (int i = 0; i < 60; ++i) {
@@ -107,7 +93,7 @@ TEST(ContactListener, aPairSumsUpItsContacts) {
     sum += c.normalImpulse, largest = std::max(largest, c.normalImpulse);
   EXPECT_EQ(last.normalImpulse, sum);
   EXPECT_EQ(last.strongest.normalImpulse, largest);
-  if (test::kSurface) {
+  if (kSurface) {
     EXPECT_LT(last.strongest.side.triangle, cube->network().surface.size());
   }
 }
@@ -162,7 +148,7 @@ TEST(ContactListener, aBodyThatTheApplicationTakesOutOfTheWorldEndsItsPairs) {
   SoftBody* cube = addLightlyDampedCube(bullet.system, 0.5 + kRadius);
   SoftBody* second = addLightlyDampedCube(bullet.system, 5);
   bullet.simulate(0.2);
-  btRigidBody* object = test::kSurface ? cube->surfaceObject() : cube->point(3);
+  btRigidBody* object = kSurface ? cube->surfaceObject() : cube->point(3);
   bullet.world->removeRigidBody(object);
   delete object;
   bullet.tick();
@@ -211,4 +197,4 @@ TEST(ContactListener, nobodyIsToldAfterItIsTakenBack) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

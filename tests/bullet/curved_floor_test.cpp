@@ -1,30 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Bodies that slide over a static curved surface follow it without losing speed, at any tick.
-#include "support/bullet_measures.h"
-#include "support/constants.h"
 #include "support/small_meshes.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::kPi;
-using test::kRadius;
-using test::SoftWorld;
-using test::vec;
 
 /// Adds a static cylinder along z through the origin, without friction.
 void addCylinder(BulletWorld& bullet, double radius) {
@@ -67,10 +52,9 @@ SoftBody* addRope(SoftBodySystem& system, const Hanging& h) {
   const auto count = static_cast<std::uint32_t>(network->restPoints.size());
   for (std::uint32_t i = 0; i + 1 < count; ++i)
     network->springs.push_back({i, i + 1, SpringKind::Structural, 1.0});
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.totalMass = total;
-  s.extensionStiffness = s.compressionStiffness = kStiffness;
-  s.damping = 1.0;
+  setSprings(s, kStiffness, 1.0);
   s.friction = 0.0;
   s.pointRadius = kRadius;
   SoftBody* rope = *system.createBody(network, s);
@@ -124,7 +108,7 @@ SoftBody* addBead(SoftBodySystem& system, double height, double speed) {
   network->restPoints = {{0, 0, -0.02}, {0, 0, 0.02}};
   network->massFractions = {0.5, 0.5};
   network->springs = {{0, 1, SpringKind::Structural, 1.0}};
-  SoftBodySettings s = test::settingsAt({0, height, 0});
+  SoftBodySettings s = settingsAt({0, height, 0});
   s.linearVelocity = {speed, 0, 0};
   s.friction = 0.0;
   s.pointRadius = kRadius;
@@ -162,14 +146,11 @@ double distance(const Vector3d& from, const Vector3d& to, const Vector3d& x) {
 TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
   SoftWorld bullet;
   bullet.addBox(vec(1, 0.5, 1), 0, vec(-1, -0.5, 0));  // its edge is the z axis
-  RopeSettings shape;
-  shape.length = 2.0;
-  shape.segments = 14;
-  SoftBodySettings s = test::settingsAt({-1.03, 0.3, 0.01});
+  SoftBodySettings s = settingsAt({-1.03, 0.3, 0.01});
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 2000.0;
   s.pointRadius = kRadius;
-  SoftBody* rope = bullet.addSoft(*buildRope(shape), s);
+  SoftBody* rope = bullet.addSoft(ropeNetwork(14, 2.0), s);
   double nearest = 1.0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -186,15 +167,14 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
 /// final height, m.
 double heightOfCube(BulletWorld& bullet, double radius, double aside) {
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::settingsAt({aside, 0.45, 0.5 * aside});
-  s.extensionStiffness = s.compressionStiffness = 2e4;
-  s.damping = 20.0;
+  SoftBodySettings s = settingsAt({aside, 0.45, 0.5 * aside});
+  setSprings(s, 2e4, 20.0);
   s.friction = 1.0;
   s.pointRadius = radius;
   s.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitY());
   TriangleMesh mesh = small_meshes::cube();
   for (Vector3d& p : mesh.positions) p *= 0.5;
-  const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
+  const SoftBody* body = *system.createBody(bracedNetwork(mesh), s);
   bullet.simulate(0.5);
   return body->centerOfMass().y();
 }
@@ -249,14 +229,11 @@ TEST(SurfaceCurves, aCutClothOverABallComesToRest) {
     SoftWorld bullet;
     bullet.addBoxFloor();
     bullet.add(std::make_unique<btSphereShape>(btScalar(kBall)), 0, vec(0, kBall, 0));
-    ClothSettings grid;
-    grid.width = grid.depth = 0.6;
-    grid.columns = grid.rows = 6;
     SoftBodySettings s;
     s.position = {aside, 2.0 * kBall + 0.05, 0.01};
     s.totalMass = 0.2;
     s.pointRadius = 0.008;
-    SoftBody* cloth = bullet.addSoft(*buildCloth(grid), s);
+    SoftBody* cloth = bullet.addSoft(squareCloth(6, 0.6), s);
     bullet.simulate(2.0);
     ASSERT_TRUE(cloth->cut(vec(0, 0, 0.11), vec(0.3, 0, 1)));
     bullet.simulate(8.0);
@@ -272,12 +249,10 @@ TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {
   auto shape = std::make_unique<btCylinderShape>(vec(kRound, kHalf, kRound));
   shape->setMargin(btScalar(0.001));
   bullet.add(std::move(shape), 0, vec(0, 0, 0));
-  ClothSettings grid;
-  grid.width = grid.depth = 1.2;
-  SoftBodySettings s = test::settingsAt({0.01, kHalf + 0.05, 0.02});
+  SoftBodySettings s = settingsAt({0.01, kHalf + 0.05, 0.02});
   s.totalMass = 0.5;
   s.pointRadius = kThin;
-  SoftBody* cloth = bullet.addSoft(*buildCloth(grid), s);
+  SoftBody* cloth = bullet.addSoft(squareCloth(16, 1.2), s);
   double deepest = -1.0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -323,12 +298,10 @@ void addPipe(BulletWorld& bullet) {
 /// Points that are pressed into the groove between two faces touch both, also where they touched one at the
 /// start of the tick. They were pressed through the other one, by a quarter of the radius.
 TEST(Pipe, aTightBallStaysInside) {
-  if (!test::kSurface) GTEST_SKIP() << "the points of a ball are not its surface";
+  if (!kSurface) GTEST_SKIP() << "the points of a ball are not its surface";
   TriangleMesh sphere = small_meshes::icosphere(2);
   for (Vector3d& x : sphere.positions) x *= 0.1;
-  MaterialMesh points;
-  points.points = 60;
-  const SharedNetwork network = *buildMaterialNetwork(sphere, points);
+  const SharedNetwork network = solidNetwork(sphere, 60);
   for (const double tick : {1.0 / 120.0, 1.0 / 30.0}) {
     SoftWorld bullet(0.0);
     addPipe(bullet);
@@ -353,4 +326,4 @@ TEST(Pipe, aTightBallStaysInside) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

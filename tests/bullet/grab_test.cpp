@@ -1,17 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Points of soft bodies that the user holds.
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/grab.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,22 +8,14 @@
 #include <memory>
 #include <utility>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::kTick;
-using test::SoftWorld;
-using test::vec;
-
 SoftBody* addGrabbedCube(SoftBodySystem& system, double mass = 2.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = 5000;
-  s.damping = 20;
+  SoftBodySettings s = testedSettings();
+  setSprings(s, 5000, 20);
   s.totalMass = mass;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 TEST(Grab, aPointFollowsTheTargetAndTheReleasedBodyFalls) {
@@ -46,7 +27,7 @@ TEST(Grab, aPointFollowsTheTargetAndTheReleasedBodyFalls) {
   const auto placeAt = [&](double t) {
     return Eigen::Vector3d(start + Eigen::Vector3d(std::sin(2 * t), 0.5 * t, std::cos(2 * t) - 1));
   };
-  const double sag = kGravity / std::pow(2 * test::kPi * 4.0, 2);
+  const double sag = kGravity / std::pow(2 * kPi * 4.0, 2);
   for (int i = 0; i < 180; ++i) {
     const double t = kTick * i;
     const Eigen::Vector3d v = (placeAt(t + kTick) - placeAt(t)) / kTick;
@@ -119,7 +100,7 @@ TEST(Grab, pullsNoMoreThanItsForce) {
     held->moveTo(vec(0, 10, 0));
     bullet.tick();
   }
-  EXPECT_LT(test::lowest(*cube), 0.1) << "it is not lifted by half its weight";
+  EXPECT_LT(lowest(*cube), 0.1) << "it is not lifted by half its weight";
 }
 
 // The limit holds in each tick, not only in those with a moveTo().
@@ -127,12 +108,10 @@ TEST(Grab, aSmallForceDoesNotHoldAHangingRope) {
   double depths[2];
   for (const bool moves : {false, true}) {
     SoftWorld bullet(-kGravity);
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.totalMass = 2.0;
     s.damping = 50.0;
-    RopeSettings rope;
-    rope.segments = 4;
-    SoftBody* body = bullet.addSoft(*buildRope(rope), s);
+    SoftBody* body = bullet.addSoft(ropeNetwork(4), s);
     GrabSettings weak;
     weak.maxForce = 10.0;
     Result<Grab> held = grab(bullet.system, body, 0, weak);
@@ -228,7 +207,7 @@ TEST(SurfaceGrab, holdsWhatARayHits) {
   SoftWorld bullet;
   SoftBody* cube = addGrabbedCube(bullet.system);
   bullet.tick();
-  test::TriangleRay ray(vec(0.3, 0.2, 5), vec(0.3, 0.2, -5));
+  TriangleRay ray(vec(0.3, 0.2, 5), vec(0.3, 0.2, -5));
   bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
   ASSERT_TRUE(ray.hasHit());
   Result<Grab> held =
@@ -255,4 +234,4 @@ TEST(Grab, holdsNothingOnceTheWorldIsGone) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

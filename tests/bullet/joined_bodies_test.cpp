@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Springs that break, welds, skeletons, and ropes with heavy loads.
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
@@ -16,12 +8,8 @@
 #include <utility>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::SoftWorld;
-using test::vec;
 
 // --- springs that break ------------------------------------------------------------------------------------
 
@@ -41,7 +29,7 @@ double heightAfterASecond(double force, bool& broken) {
     EXPECT_TRUE(bullet.system.changeSpring(held, held->settings()));
     EXPECT_FALSE(held->broken());
   }
-  return double(box->getCenterOfMassPosition().y());
+  return heightOf(*box);
 }
 
 TEST(BreakForce, aSpringBreaksUnderMoreThanItHolds) {
@@ -63,12 +51,11 @@ TEST(BreakForce, aSpringBreaksUnderMoreThanItHolds) {
 /// Two cubes one above the other whose faces are welded, the upper one pinned.
 struct WeldedCubes {
   explicit WeldedCubes(double breakForce) : bullet(-10.0), system(*bullet.world) {
-    SoftBodySettings s = test::testedSettings();
-    s.extensionStiffness = s.compressionStiffness = 2000.0;
-    s.damping = 10.0;
-    upper = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBodySettings s = testedSettings();
+    setSprings(s, 2000.0, 10.0);
+    upper = *system.createBody(closedCubeNetwork(), s);
     s.position = {0, -1.05, 0};
-    lower = *system.createBody(test::closedCubeNetwork(), s);
+    lower = *system.createBody(closedCubeNetwork(), s);
     SpringSettings seam;
     seam.stiffness = 2000.0;
     seam.damping = 10.0;
@@ -117,7 +104,7 @@ btTransform bone(double x, double angle) {
 
 TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
   SoftWorld bullet(0.0);
-  SoftBody* body = bullet.addSoft(test::closedCubeNetwork());
+  SoftBody* body = bullet.addSoft(closedCubeNetwork());
   const Eigen::Vector3d start[] = {body->position(0), body->position(1), body->position(2)};
   std::vector<btTransform> bones = {bone(0, 0), bone(1, 0)};
   auto skeleton = Skeleton::bind(bullet.system, *body,
@@ -149,15 +136,12 @@ TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
 struct LimitedCloth {
   LimitedCloth(double gravity, double maxDistance, double backStop, double side = 1.0)
       : bullet(gravity), system(*bullet.world), bones{bone(0, 0)} {
-    ClothSettings shape;
-    shape.columns = shape.rows = 6;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.totalMass = 0.1;
-    s.extensionStiffness = s.compressionStiffness = 100.0;
-    s.damping = 0.05;
+    setSprings(s, 100.0, 0.05);
     s.flow.linearDrag = 0.0;
     s.scale.x() = side;
-    body = *system.createBody(*buildCloth(shape), s);
+    body = *system.createBody(squareCloth(6), s);
     std::vector<BoundPoint> points;
     for (std::uint32_t i = 0; i < body->pointCount(); ++i)
       points.push_back({i, {{0, 1.0}}, maxDistance, backStop});
@@ -232,12 +216,12 @@ TEST(BoundSkeleton, limitedPointsKeepUpWithTheirBones) {
 TEST(BoundSkeleton, aTeleportTakesTheWholeBodyAlong) {
   LimitedCloth cloth(-10.0, 0.05, 0.01);
   cloth.bullet.simulate(2.0);
-  const double before = test::energyOf(*cloth.body);
+  const double before = energyOf(*cloth.body);
   cloth.bones[0].setOrigin(vec(30, 5, 0));
   ASSERT_TRUE(cloth.skeleton->moveTo(cloth.bones, true));
   cloth.bullet.simulate(0.2);
   EXPECT_NEAR(cloth.body->centerOfMass().x(), 30.0, 1e-3);
-  EXPECT_LT(test::energyOf(*cloth.body), before + 1e-4);
+  EXPECT_LT(energyOf(*cloth.body), before + 1e-4);
   cloth.skeleton->release();
   EXPECT_EQ(cloth.system.springCount(), 0u);
 }
@@ -246,9 +230,7 @@ TEST(BoundSkeleton, aTeleportTakesTheWholeBodyAlong) {
 TEST(BoundSkeleton, aTeleportByFewPointsTurnsNothing) {
   for (const std::uint32_t count : {1u, 4u}) {
     SoftWorld bullet(0.0);
-    ClothSettings shape;
-    shape.columns = shape.rows = 6;
-    SoftBody* cloth = bullet.addSoft(*buildCloth(shape));
+    SoftBody* cloth = bullet.addSoft(squareCloth(6));
     std::vector<BoundPoint> points;
     for (std::uint32_t i = 0; i < count; ++i) points.push_back({i, {{0, 1.0}}});
     std::vector<btTransform> bones{bone(0, 0)};
@@ -309,7 +291,7 @@ TEST(BoundSkeleton, itMayOutliveTheBodyAndTheSystem) {
 
 TEST(BoundSkeleton, badBindingsAreNamedAndPinNothing) {
   SoftWorld bullet(0.0);
-  SoftBody* body = bullet.addSoft(test::closedCubeNetwork());
+  SoftBody* body = bullet.addSoft(closedCubeNetwork());
   const std::vector<btTransform> bones = {bone(0, 0)};
   EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}}, {99, {{0, 1.0}}}}, bones).error(),
             "bound point 1: there is no point 99");
@@ -355,16 +337,12 @@ struct BreakListener : ContactListener {
 /// A rope of 0.1 kg that hangs from a static box by an anchor, with a load of 2 kg at its lower end.
 struct HangingLoad {
   explicit HangingLoad(double breakForce) : bullet(-10.0), system(*bullet.world) {
-    RopeSettings shape;
-    shape.length = 1.0;
-    shape.segments = 5;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
     s.totalMass = 0.1;
-    s.extensionStiffness = s.compressionStiffness = 5e3;
-    s.damping = 20.0;
+    setSprings(s, 5e3, 20.0);
     s.flow.linearDrag = 0.0;
-    rope = *system.createBody(*buildRope(shape), s);
+    rope = *system.createBody(ropeNetwork(5, 1.0), s);
     hook = bullet.addBox(vec(0.1, 0.1, 0.1), 0.0, toBt(rope->position(0)) + vec(0, 0.1, 0));
     load = bullet.addBox(vec(0.1, 0.1, 0.1), 2.0, toBt(rope->position(5)) - vec(0, 0.1, 0));
     EXPECT_TRUE(system.attach(rope, 0, *hook, breakForce));
@@ -424,7 +402,7 @@ TEST(Anchors, theyBreakUnderMoreThanTheyHold) {
 
 /// A part of the rope lies within the body. Friction there must act on both at the same place.
 TEST(Anchors, aRopeFromTheMiddleOfASpinningBodyTakesNoAngularMomentum) {
-  if (!test::kSurface) GTEST_SKIP() << "points are balls that do not turn when friction acts on them";
+  if (!kSurface) GTEST_SKIP() << "points are balls that do not turn when friction acts on them";
   for (const bool ball : {false, true})
     for (const double length : {0.2, 1.0}) {
       SCOPED_TRACE(testing::Message() << (ball ? "ball, " : "box, ") << length << " m");
@@ -433,25 +411,22 @@ TEST(Anchors, aRopeFromTheMiddleOfASpinningBodyTakesNoAngularMomentum) {
                                : bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(0, 0, 0));
       body->setActivationState(DISABLE_DEACTIVATION);
       body->setAngularVelocity(vec(0, 3, 0));
-      RopeSettings shape;
-      shape.segments = 8;
-      shape.length = length;
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = testedSettings();
       s.totalMass = 0.1;
       s.friction = 0.5;
-      SoftBody* rope = bullet.addSoft(*buildRope(shape), s);
+      SoftBody* rope = bullet.addSoft(ropeNetwork(8, length), s);
       ASSERT_TRUE(bullet.system.attach(rope, 0, *body));
-      const double spin = test::angularMomentumOf(*body).y();
+      const double spin = angularMomentumOf(*body).y();
       bullet.simulate(5.0);
       // Bullet's floats
-      EXPECT_NEAR(rope->angularMomentum().y() + test::angularMomentumOf(*body).y(), spin, 1e-3 * spin);
+      EXPECT_NEAR(rope->angularMomentum().y() + angularMomentumOf(*body).y(), spin, 1e-3 * spin);
     }
 }
 
 /// Its last points are inside the ball, which pushed them out against the anchor: 73 to 150 N.
 TEST(Anchors, aRopeMayBeginInTheMiddleOfABall) {
   SoftWorld bullet(-10.0);
-  SoftBodySettings s = test::settingsAt({0, 8, 0});
+  SoftBodySettings s = settingsAt({0, 8, 0});
   s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
   s.damping = 5.0;
   SoftBody* rope = bullet.addSoft(*buildRope({}), s);
@@ -468,14 +443,11 @@ TEST(Anchors, aRopeMayBeginInTheMiddleOfABall) {
 
 TEST(Anchors, anEdgeIsAttachedAsAWholeOrNotAtAll) {
   SoftWorld bullet(-10.0);
-  ClothSettings shape;
-  shape.columns = shape.rows = 5;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitX()));
   s.totalMass = 0.5;
-  s.extensionStiffness = s.compressionStiffness = 2e3;
-  s.damping = 5.0;
-  SoftBody* cloth = bullet.addSoft(*buildCloth(shape), s);
+  setSprings(s, 2e3, 5.0);
+  SoftBody* cloth = bullet.addSoft(squareCloth(5), s);
   std::vector<std::uint32_t> edge;
   for (std::uint32_t i = 0; i < cloth->pointCount(); ++i)
     if (cloth->position(i).y() > 0.499) edge.push_back(i);
@@ -513,15 +485,12 @@ TEST(TearEvents, theListenerHearsOfEachTear) {
   SoftWorld bullet(-10.0);
   BreakListener listener;
   bullet.system.setContactListener(&listener);
-  RopeSettings shape;
-  shape.length = 1.0;
-  shape.segments = 10;
-  SoftBodySettings s = test::settingsAt({0, 3, 0});
+  SoftBodySettings s = settingsAt({0, 3, 0});
   s.totalMass = 1.0;
   s.extensionStiffness = s.compressionStiffness = 1000.0;
   s.elasticLimit.breakStrain = 0.01;
   s.elasticLimit.tear = true;
-  SoftBody* rope = bullet.addSoft(*buildRope(shape), s);
+  SoftBody* rope = bullet.addSoft(ropeNetwork(10, 1.0), s);
   ASSERT_TRUE(rope->pin(0));
   ASSERT_TRUE(rope->pin(10));
   std::size_t polled = 0;
@@ -543,11 +512,10 @@ TEST(HeavyLoad, aBoxOfATonHangsFromARopeOfAHundredGrams) {
   shape.length = 2.0;
   shape.segments = 20;
   shape.bendingScale = 0.0;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
   s.totalMass = 0.1;
-  s.extensionStiffness = s.compressionStiffness = 2e7;
-  s.damping = 2e3;
+  setSprings(s, 2e7, 2e3);
   SoftBody* rope = bullet.addSoft(*buildRope(shape), s);
   ASSERT_TRUE(rope->pin(0));
   btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.3), 1000.0, vec(0, -2.3, 0));
@@ -555,7 +523,7 @@ TEST(HeavyLoad, aBoxOfATonHangsFromARopeOfAHundredGrams) {
   double lowest = 0.0, sum = 0.0;
   for (int i = 0; i < 240; ++i) {
     bullet.tick();
-    const double y = double(box->getCenterOfMassPosition().y());
+    const double y = heightOf(*box);
     lowest = std::min(lowest, y);
     sum += y / 240.0;
   }
@@ -580,13 +548,13 @@ TEST(HeavyLoad, aWinchLiftsItsLoad) {
     cable.restLength = 3.0 - 0.5 * i / 60.0;
     ASSERT_TRUE(bullet.system.changeSpring(winch, cable));
     bullet.tick();
-    if (i == 179) before = double(box->getCenterOfMassPosition().y());
+    if (i == 179) before = heightOf(*box);
   }
-  const double height = double(box->getCenterOfMassPosition().y());
+  const double height = heightOf(*box);
   // at 0.5 m/s for 4 s; 500 N stretch the cable by 5 mm, and a tick's pull is 8 mm
   EXPECT_NEAR(height, -3.0 + 0.5 * 239 / 60.0 - 0.005, 0.01);
   EXPECT_NEAR(height - before, 0.5, 1e-3);
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

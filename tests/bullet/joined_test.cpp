@@ -1,36 +1,20 @@
 // SPDX-License-Identifier: Zlib
 // Soft bodies attached to rigid bodies that touch other objects or hang on joints of Bullet's. Energy does
 // not rise, momentum is kept, and attached points stay in place.
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <random>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::momentumOf;
-using test::SoftWorld;
-using test::vec;
-
 SoftBodySettings lightlyDamped(double stiffness, double mass) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.totalMass = mass;
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.04 * std::sqrt(stiffness * mass / 8);
+  setSprings(s, stiffness, 0.04 * std::sqrt(stiffness * mass / 8));
   s.friction = 0.5;
   return s;
 }
@@ -47,16 +31,15 @@ void expectNoEnergyIsGained(const Glued& glued, double stiffness) {
   bullet.addBoxFloor();
   SoftBodySettings s = lightlyDamped(stiffness, 1.0);
   s.position = {0, 2.5, 0};
-  SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), s);
-  btRigidBody* box = bullet.addBox(glued.half, 3.0, glued.position);
-  box->setActivationState(DISABLE_DEACTIVATION);
+  SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
+  btRigidBody* box = bullet.addAwakeBox(glued.half, 3.0, glued.position);
   ASSERT_TRUE(bullet.system.attach(cube, 1, *box));
   const btVector3 pivot = box->getWorldTransform().inverse() * vec(0.5, 2.0, -0.5);
-  const double start = test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity);
+  const double start = energyOf(*cube, kGravity) + energyOf(*box, kGravity);
   double maxEnergy = start, separation = 0;
   for (int i = 0; i < 120; ++i) {
     bullet.tick();
-    maxEnergy = std::max(maxEnergy, test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity));
+    maxEnergy = std::max(maxEnergy, energyOf(*cube, kGravity) + energyOf(*box, kGravity));
     separation = std::max(separation, (cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm());
   }
   EXPECT_LT(maxEnergy, 1.01 * start);
@@ -81,7 +64,7 @@ TEST(Glued, aCubeOnABoxNeverGainsEnergy) {
 TEST(Glued, keepsMomentumInAHit) {
   for (const double stiffness : {1e3, 1e5}) {
     SoftWorld bullet(0.0);
-    SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), lightlyDamped(stiffness, 1.0));
+    SoftBody* cube = bullet.addSoft(fullCubeNetwork(), lightlyDamped(stiffness, 1.0));
     btRigidBody* box = bullet.addBox(vec(.3, .3, .3), 3.0, vec(0.82, -0.5, -0.5));
     btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 2.0, vec(2.5, -0.3, -0.4));
     for (btRigidBody* body : {box, ball}) body->setActivationState(DISABLE_DEACTIVATION);
@@ -182,14 +165,14 @@ void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
   SoftBodySettings s = lightlyDamped(dice.decades(2.5, 5.5), softMass);
   s.collisionMask = 0;
   s.position = {dice.between(-.6, .6), dice.between(-.6, .6), dice.between(-.6, .6)};
-  SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
   const auto corner = static_cast<std::uint32_t>(dice.between(0, 8));
   ASSERT_TRUE(bullet.system.attach(cube, corner, *box));
-  const double start = test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity);
+  const double start = energyOf(*cube, kGravity) + energyOf(*box, kGravity);
   double maxEnergy = start;
   for (int i = 0; i < 2 * rate; ++i) {
     bullet.tick(1 / rate);
-    maxEnergy = std::max(maxEnergy, test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity));
+    maxEnergy = std::max(maxEnergy, energyOf(*cube, kGravity) + energyOf(*box, kGravity));
   }
   // relative to the energy of a fall of one metre
   EXPECT_LT(maxEnergy - start, 0.01 * (mass + softMass) * kGravity)
@@ -232,7 +215,7 @@ struct Driven {
     SoftBodySettings s = lightlyDamped(1e5, 1.0);
     s.collisionMask = 0;
     s.position = {0, -0.6, 0};
-    cube = *system.createBody(test::fullCubeNetwork(), s);
+    cube = *system.createBody(fullCubeNetwork(), s);
     for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
       if (cube->position(i).y() > -0.2) {
         EXPECT_TRUE(system.attach(cube, i, *box));
@@ -252,7 +235,7 @@ std::pair<double, double> energyGained(const MakeJoint& make, double rate) {
   Driven d(make);
   const auto energy = [&] {
     const double y = double(d.box->getWorldTransform().getOrigin().y());
-    return test::energyOf(*d.cube, kGravity) + test::energyOf(*d.box, kGravity) + 0.5 * kSpring * y * y;
+    return energyOf(*d.cube, kGravity) + energyOf(*d.box, kGravity) + 0.5 * kSpring * y * y;
   };
   const double start = energy();
   double maxGain = -HUGE_VAL, minGain = HUGE_VAL;
@@ -362,7 +345,7 @@ TEST(Joined, anAngularSpringOfBulletsSwingsAsFarAsItShould) {
   bullet.world->addConstraint(&joint, true);
   SoftBodySettings s = lightlyDamped(1e4, 1.0);
   s.position = {5, 0, 0};
-  SoftBody* cube = bullet.addSoft(test::fullCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
   SpringSettings weak;
   weak.stiffness = 1e-3;
   ASSERT_TRUE(bullet.system.addSpring({arm}, {cube->point(0)}, weak));
@@ -417,4 +400,4 @@ TEST(Joined, whatHangsOnAMovingKinematicBodyGoesAsFast) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

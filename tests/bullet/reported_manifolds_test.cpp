@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of surfaces as manifolds in Bullet's dispatcher: correct, without effect on the simulation, and
 // never with objects that have left the world.
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
 
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
-
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kRadius;
-using test::kTick;
-using test::SoftWorld;
-using test::vec;
-
 SoftBody* addReportedCube(SoftBodySystem& system, double height, double x = 0.0) {
-  SoftBodySettings s = test::settingsAt({x, height, 0});
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 5;
+  SoftBodySettings s = settingsAt({x, height, 0});
+  setSprings(s, 2000, 5);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 std::vector<btPersistentManifold*> manifoldsOf(BulletWorld& bullet, const btCollisionObject* object) {
@@ -186,4 +171,4 @@ TEST(ReportedManifolds, worldSystemAndBodiesGoInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

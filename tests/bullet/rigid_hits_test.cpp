@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Hits of rigid bodies with each other and with the ground. A spring of no force lets the plugin find them
 // within the tick, where Bullet finds them after it.
-#include "support/bullet_measures.h"
 #include "support/soft_world.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::eigen;
-using test::SoftWorld;
-using test::vec;
 
 void attachWeakSpring(SoftBodySystem& system, btRigidBody* body) {
   SpringSettings s;
@@ -121,15 +111,14 @@ TEST(RigidHits, doNotHappenToPairsThatANearCallbackLeavesOut) {
 double hop(bool onSpring) {
   SoftWorld bullet;
   bullet.addBoxFloor();
-  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 0.22, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
+  btRigidBody* box = bullet.addAwakeBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 0.22, 0));
   if (onSpring) attachWeakSpring(bullet.system, box);
   bullet.simulate(0.1);
   box->setLinearVelocity(box->getLinearVelocity() + vec(1, 0, 0));
   double highest = 0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
-    highest = std::max(highest, double(box->getWorldTransform().getOrigin().y()) - 0.2);
+    highest = std::max(highest, heightOf(*box) - 0.2);
   }
   return highest;
 }
@@ -181,4 +170,4 @@ TEST(RigidHits, ofARollingBallWithTheSeamsOfTilesHardlySlowIt) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,35 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Unusual scenes: networks without springs, values that are not finite, invalid links, state between ticks,
 // and pins of two bodies in one place.
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-#include <limber/spring_network.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kTick;
-using test::SoftWorld;
-using test::vec;
-
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-SoftBodySettings at(double height) {
-  SoftBodySettings s = test::settingsAt({0, height, 0});
-  return s;
-}
 
 // --- networks ----------------------------------------------------------------------------------------------
 
@@ -47,7 +27,7 @@ TEST(WithoutSprings, pointsFlyAndComeToRest) {
     for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::Newton}) {
       SoftWorld bullet;
       bullet.addBoxFloor();
-      SoftBodySettings s = at(0.5);
+      SoftBodySettings s = settingsAt({0, 0.5, 0});
       s.pointRadius = 0.05;
       s.stepping.stepper = stepper;
       const Result<SoftBody*> made = bullet.system.createBody(loosePoints(count), s);
@@ -62,16 +42,16 @@ TEST(WithoutSprings, pointsFlyAndComeToRest) {
 }
 
 TEST(WithoutSprings, pointsCarryARigidBody) {
-  if (!test::kSurface) GTEST_SKIP() << "the box meets points in Bullet's solver";
+  if (!kSurface) GTEST_SKIP() << "the box meets points in Bullet's solver";
   SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySettings s = at(0.1);
+  SoftBodySettings s = settingsAt({0, 0.1, 0});
   s.pointRadius = 0.1;
   ASSERT_TRUE(bullet.system.createBody(loosePoints(3), s));
-  btRigidBody* box = bullet.addBox(test::vec(0.5, 0.1, 0.02), 1.0, test::vec(0.3, 0.35, 0.0));
-  box->setAngularFactor(test::vec(0, 0, 1));
+  btRigidBody* box = bullet.addBox(vec(0.5, 0.1, 0.02), 1.0, vec(0.3, 0.35, 0.0));
+  box->setAngularFactor(vec(0, 0, 1));
   bullet.simulate(0.5);
-  EXPECT_GT(double(box->getWorldTransform().getOrigin().y()), 0.25) << "it would lie at 0.1 on the floor";
+  EXPECT_GT(heightOf(*box), 0.25) << "it would lie at 0.1 on the floor";
 }
 
 TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
@@ -81,9 +61,9 @@ TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
   network->massFractions.assign(4, 0.25);
   network->springs = {{0, 1}, {0, 2}, {2, 3}};
   SoftWorld bullet(0.0);
-  const Result<SoftBody*> made = bullet.system.createBody(network, test::testedSettings());
+  const Result<SoftBody*> made = bullet.system.createBody(network, testedSettings());
   ASSERT_TRUE(made) << made.error();
-  (*made)->point(1)->applyCentralImpulse(test::vec(1e-3, 1, 0));
+  (*made)->point(1)->applyCentralImpulse(vec(1e-3, 1, 0));
   int largest = 0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -95,12 +75,12 @@ TEST(RestLengthZero, asksForNoMoreThanItsSpringConstantDoes) {
 
 // --- values that are not finite ----------------------------------------------------------------------------
 
-struct RecoveryFixture : testing::Test {
-  RecoveryFixture() {
+struct NotFinite : testing::Test {
+  NotFinite() {
     bullet.addBoxFloor();
     system.onWarning([this](const std::string& text) { warnings.push_back(text); });
-    body = *system.createBody(test::closedCubeNetwork(), at(2.0));
-    other = *system.createBody(test::closedCubeNetwork(), at(5.0));
+    body = *system.createBody(closedCubeNetwork(), settingsAt({0, 2.0, 0}));
+    other = *system.createBody(closedCubeNetwork(), settingsAt({0, 5.0, 0}));
     bullet.simulate(0.1);
   }
   /// Expects a full recovery: one warning, no effect on the other body, and a body that comes to rest as
@@ -124,34 +104,33 @@ struct RecoveryFixture : testing::Test {
   std::vector<std::string> warnings;
   SoftBody *body, *other;
 };
-using NotFinite = RecoveryFixture;
 
 TEST_F(NotFinite, anImpulse) {
-  body->point(3)->applyCentralImpulse(test::vec(kNan, 0, 0));
+  body->point(3)->applyCentralImpulse(vec(kNan, 0, 0));
   bullet.tick();
   expectRecovery();
 }
 
 TEST_F(NotFinite, aVelocityBeyondFloats) {
-  body->point(3)->setLinearVelocity(test::vec(0, 1e30, 0));
+  body->point(3)->setLinearVelocity(vec(0, 1e30, 0));
   bullet.tick();
   expectRecovery();
 }
 
 TEST_F(NotFinite, aPosition) {
-  body->point(3)->getWorldTransform().setOrigin(test::vec(0, HUGE_VAL, kNan));
+  body->point(3)->getWorldTransform().setOrigin(vec(0, HUGE_VAL, kNan));
   bullet.tick();
   expectRecovery();
 }
 
 TEST_F(NotFinite, aForce) {
-  body->point(3)->applyCentralForce(test::vec(0, kNan, 0));
+  body->point(3)->applyCentralForce(vec(0, kNan, 0));
   bullet.tick();
   expectRecovery();
 }
 
 TEST_F(NotFinite, readBeforeTheTick) {
-  body->point(3)->setLinearVelocity(test::vec(0, kNan, 0));
+  body->point(3)->setLinearVelocity(vec(0, kNan, 0));
   EXPECT_TRUE(std::isfinite(body->kineticEnergy()));
   bullet.tick();
   expectRecovery();
@@ -160,15 +139,14 @@ TEST_F(NotFinite, readBeforeTheTick) {
 /// An action that runs before the end of the tick, when the step has been checked already.
 TEST(NotFiniteAction, isRepairedAtTheEndOfTheTick) {
   BulletWorld bullet;
-  test::ActionOnce action;
+  ActionOnce action;
   bullet.world->addAction(&action);
   {
     SoftBodySystem system(*bullet.world);
     system.onWarning([](const std::string&) {});
-    SoftBodySettings s = test::settingsAt({0, 5, 0});
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* body = *system.createBody(cubeNetwork(), settingsAt({0, 5, 0}));
     bullet.tick();
-    action.act = [&] { body->point(0)->setLinearVelocity(test::vec(kNan, 0, 0)); };
+    action.act = [&] { body->point(0)->setLinearVelocity(vec(kNan, 0, 0)); };
     bullet.tick();
     const double height = body->position(1).y();
     for (int i = 0; i < 10; ++i) bullet.tick();
@@ -179,17 +157,17 @@ TEST(NotFiniteAction, isRepairedAtTheEndOfTheTick) {
 }
 
 TEST(NotFiniteSleeper, isReportedWhileItSleeps) {
-  if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
+  if (!kSurface) GTEST_SKIP() << "point masses of the world have no common object";
   SoftWorld bullet;
   bullet.addBoxFloor();
   int warnings = 0;
   bullet.system.onWarning([&](const std::string&) { ++warnings; });
-  SoftBodySettings s = test::settingsAt({0, 0.6, 0});
+  SoftBodySettings s = settingsAt({0, 0.6, 0});
   s.damping = 5.0;
-  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
   for (int i = 0; i < 2000 && !body->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(body->sleeping());
-  body->surfaceObject()->setLinearVelocity(test::vec(kNan, 0, 0));
+  body->surfaceObject()->setLinearVelocity(vec(kNan, 0, 0));
   EXPECT_TRUE(body->position(0).allFinite());
   bullet.tick();
   bullet.tick();
@@ -200,9 +178,9 @@ TEST(NotFiniteSleeper, isReportedWhileItSleeps) {
 TEST(TooLarge, isRefused) {
   SoftWorld bullet;
   const auto refusal = [&](auto change) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     change(s);
-    const Result<SoftBody*> made = bullet.system.createBody(test::cubeNetwork(), s);
+    const Result<SoftBody*> made = bullet.system.createBody(cubeNetwork(), s);
     return made ? std::string() : made.error();
   };
   EXPECT_EQ(refusal([](auto& s) { s.scale.setConstant(1e100); }),
@@ -222,11 +200,11 @@ TEST(TooLarge, isRefused) {
 
 TEST(TooLarge, aSpringOfTheNetworkIsRefused) {
   SoftWorld bullet;
-  SpringNetwork network = *test::cubeNetwork();
+  SpringNetwork network = *cubeNetwork();
   network.springs[3].stiffnessScale = 1e38;
-  EXPECT_EQ(bullet.system.createBody(std::make_shared<const SpringNetwork>(network), test::testedSettings())
-                .error(),
-            "spring 3 would have a stiffness or damping of 1e+41, must be at most 1e12");
+  EXPECT_EQ(
+      bullet.system.createBody(std::make_shared<const SpringNetwork>(network), testedSettings()).error(),
+      "spring 3 would have a stiffness or damping of 1e+41, must be at most 1e12");
 }
 
 // --- links -------------------------------------------------------------------------------------------------
@@ -250,23 +228,23 @@ TEST(WrongLinks, areRefused) {
   BulletWorld bullet, elsewhere;
   btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
   SoftBodySystem system(*bullet.world), far(*elsewhere.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), at(1));
-  SoftBody* theirs = *far.createBody(test::cubeNetwork(), at(1));
+  SoftBody* body = *system.createBody(cubeNetwork(), settingsAt({0, 1, 0}));
+  SoftBody* theirs = *far.createBody(cubeNetwork(), settingsAt({0, 1, 0}));
   const std::string world = "the point mass belongs to a soft body in another world";
   EXPECT_EQ(system.addSpring({body->point(0)}, {theirs->point(0)}).error(), world);
   EXPECT_EQ(far.addSpring({body->point(0)}, {nullptr}).error(), world);
   EXPECT_EQ(far.attach(body, 0, *box).error(), "the soft body is not, or no longer, in this world");
   EXPECT_EQ(system.addSpring({body->point(0)}, {body->point(0)}).error(),
             "both ends of the spring are the same place of one body");
-  EXPECT_EQ(system.addSpring({body->point(0), test::vec(0.5, 0, 0)}, {box}).error(),
+  EXPECT_EQ(system.addSpring({body->point(0), vec(0.5, 0, 0)}, {box}).error(),
             "the pivot of a spring on a point mass must be 0");
-  EXPECT_EQ(system.addSpring({body->point(0), test::vec(kNan, 0, 0)}, {box}).error(),
+  EXPECT_EQ(system.addSpring({body->point(0), vec(kNan, 0, 0)}, {box}).error(),
             "a pivot of the spring is not finite, or farther than 1e6");
-  EXPECT_EQ(system.addSpring({box, test::vec(kNan, 0, 0)}, {nullptr}).error(),
+  EXPECT_EQ(system.addSpring({box, vec(kNan, 0, 0)}, {nullptr}).error(),
             "a pivot of the spring is not finite, or farther than 1e6");
-  EXPECT_FALSE(system.addSpring({box, test::vec(1e30, 0, 0)}, {nullptr}));
-  EXPECT_FALSE(system.attach(body, 0, *box, test::vec(0, 1e30, 0)));
-  if (test::kSurface) {
+  EXPECT_FALSE(system.addSpring({box, vec(1e30, 0, 0)}, {nullptr}));
+  EXPECT_FALSE(system.attach(body, 0, *box, vec(0, 1e30, 0)));
+  if (kSurface) {
     EXPECT_FALSE(system.addSpring({body->surfaceObject()}, {box}));
     EXPECT_FALSE(system.addSpring({box}, {body->surfaceObject()}));
     EXPECT_FALSE(system.attach(body, 0, *theirs->surfaceObject()));
@@ -280,7 +258,7 @@ TEST(WrongLinks, areRefused) {
 
 TEST(BetweenTicks, synchronizingMotionStatesLosesNoForce) {
   SoftWorld bullet(0.0);
-  SoftBody* body = bullet.addSoft(test::cubeNetwork());
+  SoftBody* body = bullet.addSoft(cubeNetwork());
   for (int i = 0; i < 3; ++i) {
     const double before = body->linearMomentum().x();
     body->point(0)->applyCentralForce(btVector3(3, 0, 0));
@@ -299,7 +277,7 @@ TEST(NotFiniteGravity, doesNotHoldTheBodyForGood) {
   for (const bool world : {true, false}) {
     SoftWorld bullet;
     bullet.system.onWarning([](const std::string&) {});
-    SoftBody* body = bullet.addSoft(test::cubeNetwork());
+    SoftBody* body = bullet.addSoft(cubeNetwork());
     bullet.tick();
     btRigidBody* point = world ? nullptr : body->point(0);
     const auto setGravity = [&](btScalar y) {
@@ -320,9 +298,9 @@ TEST(NotFiniteGravity, doesNotHoldTheBodyForGood) {
 
 TEST(BetweenTicks, massesAreThoseOfNow) {
   SoftWorld bullet(0.0);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.totalMass = 8.0;
-  SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   body->point(0)->setMassProps(5, btVector3(0, 0, 0));
   EXPECT_NEAR(body->totalMass(), 12.0, 1e-5);
   body->pin(0);
@@ -335,14 +313,14 @@ TEST(BetweenTicks, massesAreThoseOfNow) {
 
 TEST(BetweenTicks, whatIsReadDoesNotDependOnWhatWasReadBefore) {
   SoftWorld bullet;
-  SoftBodySettings s = at(3);
+  SoftBodySettings s = settingsAt({0, 3, 0});
   s.collisionMask = 0;  // two bodies at the same position
-  SoftBody* a = bullet.addSoft(test::cubeNetwork(), s);
-  SoftBody* b = bullet.addSoft(test::cubeNetwork(), s);
-  for (SoftBody* body : {a, b}) body->point(0)->setLinearVelocity(test::vec(0.5, 0, 0));
+  SoftBody* a = bullet.addSoft(cubeNetwork(), s);
+  SoftBody* b = bullet.addSoft(cubeNetwork(), s);
+  for (SoftBody* body : {a, b}) body->point(0)->setLinearVelocity(vec(0.5, 0, 0));
   bullet.simulate(0.2);
   for (SoftBody* body : {a, b})
-    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->translate(test::vec(4, 0, 0));
+    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->translate(vec(4, 0, 0));
   EXPECT_GT(b->centerOfMass().x(), 3.9);
   std::array<float, 24> first, second;
   a->writePositions(first.data(), 0.5);
@@ -353,12 +331,12 @@ TEST(BetweenTicks, whatIsReadDoesNotDependOnWhatWasReadBefore) {
 }
 
 TEST(BetweenTicks, aSleeperWhosePointWasMovedWakesThoughItWasRead) {
-  if (!test::kSurface) GTEST_SKIP() << "the user wakes bodies of the world, as Bullet has it";
+  if (!kSurface) GTEST_SKIP() << "the user wakes bodies of the world, as Bullet has it";
   SoftWorld bullet(0.0);
-  SoftBody* body = bullet.addSoft(test::cubeNetwork());
+  SoftBody* body = bullet.addSoft(cubeNetwork());
   for (int i = 0; i < 600 && !body->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(body->sleeping());
-  body->point(0)->translate(test::vec(0.2, 0, 0));
+  body->point(0)->translate(vec(0.2, 0, 0));
   EXPECT_GT(body->centerOfMass().x(), 0.01);
   bullet.tick();
   EXPECT_FALSE(body->sleeping());
@@ -373,13 +351,11 @@ struct HeldNearby {
 
   explicit HeldNearby(double apart, bool attached) {
     SoftWorld bullet(-10.0);
-    ClothSettings shape;
-    shape.columns = shape.rows = 6;
     btRigidBody* rail = bullet.addBox(vec(0.01, 0.01, 0.01), 0.0, vec(0, 5, 0));
     for (int k = 0; k < 2; ++k) {
-      SoftBodySettings s = test::settingsAt({0, apart * k, 0});
+      SoftBodySettings s = settingsAt({0, apart * k, 0});
       s.pointRadius = 0.01;
-      SoftBody* cloth = bullet.addSoft(*buildCloth(shape), s);
+      SoftBody* cloth = bullet.addSoft(squareCloth(6), s);
       for (std::uint32_t i = 0; i < 7; ++i)
         EXPECT_TRUE(attached ? bullet.system.attach(cloth, i, *rail) : cloth->pin(i));
     }
@@ -417,7 +393,7 @@ TEST(PinsNearby, contactsBetweenHeldPointsPushNothing) {
 TEST(PinsNearby, aRopeOfOneSpringHangs) {
   for (const double degrees : {0.0, 0.1, 20.0}) {
     SoftWorld bullet;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.totalMass = 0.2;
     s.damping = 1.0;
     s.rotation = Eigen::AngleAxisd(degrees * M_PI / 180.0 - M_PI / 2.0, Eigen::Vector3d::UnitZ());
@@ -432,11 +408,11 @@ TEST(PinsNearby, aRopeOfOneSpringHangs) {
 TEST(PinsNearby, pinsOfTwoCubesMoveToOnePlace) {
   for (const double apart : {0.0, 1e-6, 1e-4, 1e-3, 0.015}) {
     SoftWorld bullet(-10.0);
-    SoftBodySettings s = test::testedSettings();
-    SoftBody* a = bullet.addSoft(test::closedCubeNetwork(), s);
+    SoftBodySettings s = testedSettings();
+    SoftBody* a = bullet.addSoft(closedCubeNetwork(), s);
     s.position = {0, 1.5, 0};
     s.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
-    SoftBody* b = bullet.addSoft(test::closedCubeNetwork(), s);
+    SoftBody* b = bullet.addSoft(closedCubeNetwork(), s);
     ASSERT_TRUE(a->pin(0));
     ASSERT_TRUE(b->pin(0));
     const Eigen::Vector3d target = a->position(0) + Eigen::Vector3d(apart, 0, 0);
@@ -453,4 +429,4 @@ TEST(PinsNearby, pinsOfTwoCubesMoveToOnePlace) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

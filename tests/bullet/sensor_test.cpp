@@ -2,15 +2,7 @@
 // Objects and soft bodies without contact response: they are reported and push nothing. Bullet's own soft
 // bodies in the same world.
 #include "support/allocation_counter.h"
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletSoftBody/btSoftBody.h>
@@ -18,27 +10,18 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <memory>
 #include <string>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kGravity;
-using test::kRadius;
-using test::SoftWorld;
-using test::vec;
-
 SoftBody* addSensedCube(SoftBodySystem& system, double y) {
-  SoftBodySettings s = test::settingsAt({0, y, 0});
-  s.extensionStiffness = s.compressionStiffness = 5000;
-  s.damping = 20;
+  SoftBodySettings s = settingsAt({0, y, 0});
+  setSprings(s, 5000, 20);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 struct SensorCalls : ContactListener {
@@ -106,7 +89,7 @@ TEST(SurfaceSensors, aSoftBodyCanBeASensor) {
   }
   EXPECT_TRUE(touchesFloor);
   EXPECT_LT(cube->centerOfMass().y(), -0.5) << "it falls through the floor";
-  EXPECT_NEAR(test::lowest(*solid), kRadius, 0.05) << "which holds the other one";
+  EXPECT_NEAR(lowest(*solid), kRadius, 0.05) << "which holds the other one";
 }
 
 TEST(SurfaceSensors, aTickAllocatesNothing) {
@@ -117,7 +100,7 @@ TEST(SurfaceSensors, aTickAllocatesNothing) {
   SoftBody* cube = addSensedCube(bullet.system, 0.5 + kRadius);
   cube->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(1.0);
-  const test::AllocationCounter counter;
+  const AllocationCounter counter;
   bullet.simulate(0.5);
   EXPECT_EQ(counter.allocations(), 0u);
   const auto isZone = [&](const SoftContact& c) { return c.other == zone; };
@@ -143,7 +126,7 @@ TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
   SoftBodySystem system(world);
   SoftBody* ours = addSensedCube(system, 0.6);
   for (int i = 0; i < 120; ++i) world.stepSimulation(btScalar(1) / 60, 0);
-  EXPECT_NEAR(test::lowest(*ours), kRadius, 0.02);
+  EXPECT_NEAR(lowest(*ours), kRadius, 0.02);
   EXPECT_EQ(ours->restorations(), 0u);
   for (const SoftContact& c : ours->contacts()) EXPECT_EQ(c.other, &floor);
   btScalar top = -10;
@@ -156,12 +139,12 @@ TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
 
 TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
   SoftWorld bullet(0.0);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.collision = Collision::Surface;
-  SoftBody* sensor = bullet.addSoft(test::closedCubeNetwork(), s);
+  SoftBody* sensor = bullet.addSoft(closedCubeNetwork(), s);
   sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
   s.position = {0, 0.8, 0};
-  SoftBody* cube = bullet.addSoft(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
   bullet.tick();
   ASSERT_FALSE(cube->contacts().empty());
   for (const SoftContact& c : cube->contacts()) {
@@ -199,7 +182,7 @@ TEST(Profile, countsTheWorkOfTheTick) {
   SoftBody* cube = addSensedCube(bullet.system, 0.5 + kRadius);
   SoftBodySettings far = cube->settings();
   far.position = {30, 5, 0};
-  SoftBody* alone = bullet.addSoft(test::closedCubeNetwork(), far);
+  SoftBody* alone = bullet.addSoft(closedCubeNetwork(), far);
   bullet.simulate(0.3);
   const TickProfile& p = bullet.system.profile();
   EXPECT_EQ(p.awakeBodies, 2u);
@@ -226,7 +209,7 @@ TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {
   SoftBody* others[4];  // one on another, two under a box
   for (int i = 0; i < 4; ++i) {
     s.position = {i < 2 ? 3.0 : 4.5 + 1.5 * i, 0.5 + kRadius + (i == 1 ? 1 + 2 * kRadius : 0.0), 0};
-    others[i] = bullet.addSoft(test::closedCubeNetwork(), s);
+    others[i] = bullet.addSoft(closedCubeNetwork(), s);
   }
   bullet.addBox(vec(2, 0.1, 0.5), 1.0, vec(8.25, 1.1 + 2 * kRadius, 0));
   EXPECT_EQ(apart->island(), -1) << "before the first tick";
@@ -242,4 +225,4 @@ TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,44 +1,27 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of faces and edges with small objects, with objects between their points, and with fast objects.
-#include "support/bullet_measures.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <random>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::angularMomentumOf;
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::kRadius;
-using test::lowest;
-using test::SoftWorld;
-using test::vec;
 
 SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e3) {
-  SoftBodySettings s = test::settingsAt(position);
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.1 * std::sqrt(stiffness);
+  SoftBodySettings s = settingsAt(position);
+  setSprings(s, stiffness, 0.1 * std::sqrt(stiffness));
   s.pointRadius = kRadius;
   return s;
 }
 
 SoftBody* addAwakeCube(SoftBodySystem& system, const SoftBodySettings& settings) {
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), settings);
+  SoftBody* body = *system.createBody(closedCubeNetwork(), settings);
   body->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
@@ -85,7 +68,7 @@ TEST(SurfaceContact, aMarbleRestsOnAFaceWithoutJitter) {
     double low = 1e9, high = -1e9;
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
-      const double y = double(marble->getWorldTransform().getOrigin().y());
+      const double y = heightOf(*marble);
       low = std::min(low, y), high = std::max(high, y);
     }
     EXPECT_GT(low, 0.9) << "it lies on the cube";
@@ -264,7 +247,7 @@ TEST(SurfaceContact, aFallingStackIsStoppedCubeByCube) {
                           0.02 * any(random));
         if (mixed && i % 2 == 1) {
           btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(at.x(), at.y(), at.z()));
-          heights.emplace_back([box] { return double(box->getWorldTransform().getOrigin().y()); });
+          heights.emplace_back([box] { return heightOf(*box); });
           continue;
         }
         SoftBodySettings s = cubeAt(at, 5e3);
@@ -315,7 +298,7 @@ TEST(SurfaceContact, twoSoftBodiesKeepTheirMomentaInAHit) {
     bullet.simulate(0.6);
     ASSERT_GT(resting->linearMomentum().x(), 0.5) << "they have met";
     EXPECT_LT((resting->linearMomentum() + moving->linearMomentum() - linear).norm(), 1e-6 * linear.norm());
-    EXPECT_LT(test::energyOf(*resting) + test::energyOf(*moving), energy * (1 + 1e-9));
+    EXPECT_LT(energyOf(*resting) + energyOf(*moving), energy * (1 + 1e-9));
     const double couple = (resting->angularMomentum() + moving->angularMomentum() - angular).norm();
     EXPECT_LT(couple, 2e-2 * linear.norm());
     if (couple > 1e-4 * linear.norm()) ++unbalanced;
@@ -433,20 +416,17 @@ TEST(SurfaceContact, aClothSlidesOverAnEdgeAlikeInHalfTicks) {
   const auto finalPositions = [&](double tick) {
     SoftWorld bullet;
     bullet.addBox(vec(6, 1, 6), 0, vec(0, -1, 0))->setFriction(0.5);
-    SoftBodySettings s = test::settingsAt({-0.5, 1, 0});
+    SoftBodySettings s = settingsAt({-0.5, 1, 0});
     const Vector3d rotation(0.53, -0.734, -1.55);
     s.rotation = Eigen::AngleAxisd(rotation.norm(), rotation.normalized());
     s.linearVelocity = {-5.24, 3.94, 0};
-    s.extensionStiffness = s.compressionStiffness = 1000.0;
-    s.damping = 1.0;
+    setSprings(s, 1000.0, 1.0);
     s.totalMass = 8.35;
     s.friction = 1.0;
     s.stepping.periodTolerance = 2e-3;
-    ClothSettings shape;
-    shape.columns = shape.rows = 4;
-    SoftBody* cloth = bullet.addSoft(*buildCloth(shape), s);
+    SoftBody* cloth = bullet.addSoft(squareCloth(4), s);
     bullet.simulate(31.0 / 30.0, tick);
-    return test::placesOf(*cloth);
+    return placesOf(*cloth);
   };
   EXPECT_LT((finalPositions(1.0 / 30.0) - finalPositions(1.0 / 60.0)).cwiseAbs().maxCoeff(), 1.5e-2);
 }
@@ -467,15 +447,11 @@ TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
   for (const double out : {-0.01, 0.0, 0.02}) {
     SoftWorld bullet;
     bullet.add(std::make_unique<btBoxShape>(vec(2, 1, 2)), 0, vec(2, 1, 0));
-    RopeSettings rope;
-    rope.length = 6.0;
-    rope.segments = 10;
-    SoftBodySettings s = test::settingsAt({-6, 2 + out, 0.3});
+    SoftBodySettings s = settingsAt({-6, 2 + out, 0.3});
     s.totalMass = 5.0;
-    s.extensionStiffness = s.compressionStiffness = 1e4;
-    s.damping = 5.0;
+    setSprings(s, 1e4, 5.0);
     s.pointRadius = 0.05;
-    SoftBody* body = bullet.addSoft(*buildRope(rope), s);
+    SoftBody* body = bullet.addSoft(ropeNetwork(10, 6.0), s);
     body->pin(0), body->pin(10);
     double maxSpeed = 0.0;
     for (int i = 0; i < 60; ++i) bullet.tick(), maxSpeed = std::max(maxSpeed, fastest(*body));
@@ -484,9 +460,7 @@ TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
   for (const double height : {2.04, 2.045, 2.05, 2.052}) {
     SoftWorld bullet;
     bullet.add(std::make_unique<btCapsuleShapeX>(btScalar(0.05), btScalar(2)), 0, vec(0, 2, 0));
-    ClothSettings cells;
-    cells.columns = cells.rows = 8;
-    SoftBody* curtain = bullet.addSoft(*buildCloth(cells), test::settingsAt({0, height, 0.5}));
+    SoftBody* curtain = bullet.addSoft(squareCloth(8), settingsAt({0, height, 0.5}));
     for (std::uint32_t i = 0; i < 9; i += 2) curtain->pin(i);
     double maxSpeed = 0.0;
     for (int i = 0; i < 60; ++i) bullet.tick(), maxSpeed = std::max(maxSpeed, fastest(*curtain));
@@ -500,16 +474,14 @@ TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
 TEST(SurfaceContact, aBallOnAWavyClothComesToRest) {
   SoftWorld bullet;
   bullet.addBox(vec(0.3, 0.3, 0.3), 0, vec(0, -0.3, 0));
-  ClothSettings cells;
-  cells.width = cells.depth = 1.2;
-  SoftBodySettings s = test::settingsAt({0, 0.02, 0});
+  SoftBodySettings s = settingsAt({0, 0.02, 0});
   s.flow = FlowCoefficients();
   s.pointRadius = 0.01;
   s.totalMass = 0.3;
-  SoftBody* cloth = bullet.addSoft(*buildCloth(cells), s);
+  SoftBody* cloth = bullet.addSoft(squareCloth(16, 1.2), s);
   bullet.simulate(4.0);
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.25)), 1.0, vec(0.02, 0.3, 0.01));
-  const auto energy = [&] { return test::energyOf(*ball, kGravity) + test::energyOf(*cloth, kGravity); };
+  const auto energy = [&] { return energyOf(*ball, kGravity) + energyOf(*cloth, kGravity); };
   bullet.simulate(1.0);  // it falls on the cloth
   double least = energy();
   for (int i = 0; i < 300; ++i) {
@@ -540,4 +512,4 @@ TEST(SurfaceContact, aCubeLiesOnLevelSpheresAtTheirHeight) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,25 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Bodies that are one object in the world move, rest and sleep like those whose points are in the world.
 #include "support/allocation_counter.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kTick;
-using test::SoftWorld;
 
 // --- comparison with points --------------------------------------------------------------------------------
 
@@ -34,7 +22,7 @@ double restHeightWith(AddFloor addFloor, Collision collision) {
   s.friction = 0;
   s.damping = 0.2 * std::sqrt(1000 * 0.125);
   s.sleepingSpeed = 0;
-  SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   bullet.simulate(8.0);
   return body->centerOfMass().y();
 }
@@ -54,9 +42,9 @@ TEST(SurfaceLife, aTumbleIsTheSameWhetherTheUserHoldsThePointsOrNot) {
   const auto hash = [](bool exposed) {
     SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySettings s = test::settingsAt({0, 1.5, 0});
+    SoftBodySettings s = settingsAt({0, 1.5, 0});
     s.angularVelocity = {1, 2, 3};
-    SoftBody* body = bullet.addSoft(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     if (exposed) (void)body->point(0);
     bullet.simulate(3.0);
     return body->stateHash();
@@ -71,10 +59,10 @@ struct Pushed {
   explicit Pushed(Collision collision) : system(*bullet.world) {
     SoftBodySettings s;
     s.collision = collision;
-    body = *system.createBody(test::cubeNetwork(), s);
+    body = *system.createBody(cubeNetwork(), s);
   }
   void push(double newtons) {
-    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->applyCentralForce(test::vec(newtons / 8, 0, 0));
+    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->applyCentralForce(vec(newtons / 8, 0, 0));
   }
   double momentum() const { return body->linearMomentum().x(); }
 
@@ -116,7 +104,7 @@ TEST(SurfaceForces, oneForceForAllTicksOfAStep) {
 
 TEST(SurfaceForces, nothingIsInTheWorldBesidesTheSurfaceUntilSomebodyHasAPoint) {
   SoftWorld bullet;
-  SoftBody* body = bullet.addSoft(test::cubeNetwork());
+  SoftBody* body = bullet.addSoft(cubeNetwork());
   bullet.tick();
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1);
   (void)body->point(0);
@@ -130,8 +118,7 @@ TEST(SurfaceForces, nothingIsInTheWorldBesidesTheSurfaceUntilSomebodyHasAPoint) 
 struct SurfaceSleep : testing::Test {
   SurfaceSleep() : system(*bullet.world) {
     floor = bullet.addBoxFloor();
-    SoftBodySettings s = test::settingsAt({0, 0.52, 0});
-    body = *system.createBody(test::cubeNetwork(), s);
+    body = *system.createBody(cubeNetwork(), settingsAt({0, 0.52, 0}));
   }
   void sleep() {
     for (int i = 0; i < 1200 && !body->sleeping(); ++i) bullet.tick();
@@ -148,8 +135,8 @@ struct SurfaceSleep : testing::Test {
 TEST_F(SurfaceSleep, wakesByTheObjectByACallAndByAChangedPoint) {
   const std::function<void()> wakers[] = {[&] { body->surfaceObject()->activate(); }, [&] { body->wake(); },
                                           [&] { body->point(2)->activate(); },
-                                          [&] { body->point(2)->applyCentralImpulse(test::vec(0, 0.1, 0)); },
-                                          [&] { body->point(2)->translate(test::vec(0.05, 0, 0)); }};
+                                          [&] { body->point(2)->applyCentralImpulse(vec(0, 0.1, 0)); },
+                                          [&] { body->point(2)->translate(vec(0.05, 0, 0)); }};
   for (std::size_t i = 0; i < std::size(wakers); ++i) {
     sleep();
     wakers[i]();
@@ -182,7 +169,7 @@ TEST_F(SurfaceSleep, theUsersDisableDeactivationKeepsItAwake) {
 }
 
 TEST_F(SurfaceSleep, anIslandWithARigidBodyNeverSleepsByHalves) {
-  btRigidBody* neighbour = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1, test::vec(0.74, 0.2, 0));
+  btRigidBody* neighbour = bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.74, 0.2, 0));
   int asleepTogether = 0;
   for (int i = 0; i < 900; ++i) {
     if (i == 500) neighbour->activate(true);
@@ -204,7 +191,7 @@ TEST_F(SurfaceSleep, aMovingPlatformWakesWhatSleepsOnIt) {
   floor->setCollisionFlags(floor->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
   floor->forceActivationState(DISABLE_DEACTIVATION);
   for (int i = 1; i <= 60; ++i) {
-    floor->setWorldTransform(btTransform(btQuaternion::getIdentity(), test::vec(0, -1 + 0.005 * i, 0)));
+    floor->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, -1 + 0.005 * i, 0)));
     bullet.tick();
   }
   EXPECT_FALSE(body->sleeping());
@@ -230,19 +217,19 @@ TEST(SurfaceLife, aTickAllocatesNothingAlthoughBodiesFlyAndRest) {
   SoftWorld bullet;
   bullet.addBoxFloor();
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s = test::settingsAt({1.5 * i, i % 2 ? 0.52 : 300.0, 0});
+    SoftBodySettings s = settingsAt({1.5 * i, i % 2 ? 0.52 : 300.0, 0});
     s.sleepingSpeed = 0;
-    (void)bullet.addSoft(test::cubeNetwork(), s);
+    (void)bullet.addSoft(cubeNetwork(), s);
   }
   bullet.simulate(2.0);
-  const test::AllocationCounter counter;
+  const AllocationCounter counter;
   bullet.simulate(1.0);
   EXPECT_EQ(counter.allocations(), 0u);
 }
 
 TEST(SurfaceLife, aFloorThatComesLaterIsFound) {
   SoftWorld bullet;
-  SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({0, 2, 0}));
+  SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({0, 2, 0}));
   bullet.simulate(0.3);
   bullet.addBoxFloor();
   bullet.simulate(3.0);
@@ -252,7 +239,7 @@ TEST(SurfaceLife, aFloorThatComesLaterIsFound) {
 TEST(SurfaceLife, pairsTheUserHasExcludedDoNotTouch) {
   SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({0, 0.6, 0}));
+  SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({0, 0.6, 0}));
   body->surfaceObject()->setIgnoreCollisionCheck(floor, true);
   bullet.simulate(1.0);
   EXPECT_LT(body->centerOfMass().y(), -3.0);
@@ -262,10 +249,10 @@ TEST(SurfaceLife, softBodiesThatTheUserHasExcludedDoNotTouch) {
   for (const bool both : {false, true}) {
     SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySettings s = test::settingsAt({0, 0.6, 0});
-    SoftBody* lower = bullet.addSoft(test::cubeNetwork(), s);
+    SoftBodySettings s = settingsAt({0, 0.6, 0});
+    SoftBody* lower = bullet.addSoft(cubeNetwork(), s);
     s.position = {0.1, 2, 0};
-    SoftBody* upper = bullet.addSoft(test::cubeNetwork(), s);
+    SoftBody* upper = bullet.addSoft(cubeNetwork(), s);
     upper->surfaceObject()->setIgnoreCollisionCheck(lower->surfaceObject(), true);
     if (both) lower->surfaceObject()->setIgnoreCollisionCheck(upper->surfaceObject(), true);
     bullet.simulate(2.0);
@@ -277,18 +264,18 @@ TEST(SurfaceLife, pairsInOrderOfTheirIdsAreFineToo) {
   SoftWorld bullet;
   bullet.world->getDispatchInfo().m_deterministicOverlappingPairs = true;
   bullet.addBoxFloor();
-  bullet.addBox(test::vec(0.3, 0.3, 0.3), 1, test::vec(0.2, 0.3, 0));
-  SoftBody* body = bullet.addSoft(test::cubeNetwork(), test::settingsAt({1.2, 1, 0}));
+  bullet.addBox(vec(0.3, 0.3, 0.3), 1, vec(0.2, 0.3, 0));
+  SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({1.2, 1, 0}));
   bullet.simulate(2.0);
   EXPECT_NEAR(body->centerOfMass().y(), 0.52, 0.01);
 }
 
 TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
   SoftWorld bullet;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.collisionGroup = 64;
   s.collisionMask = 1 | 2;
-  btRigidBody* object = (bullet.addSoft(test::cubeNetwork(), s))->surfaceObject();
+  btRigidBody* object = (bullet.addSoft(cubeNetwork(), s))->surfaceObject();
   EXPECT_EQ(object->getUserPointer(), nullptr);
   EXPECT_EQ(object->getUserIndex(), -1);
   int mine = 0;
@@ -304,8 +291,8 @@ TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
 TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   // HelloWorld's clean-up loop, including motion states, after the application has accessed a point
   SoftWorld bullet;
-  SoftBody* body = bullet.addSoft(test::cubeNetwork());
-  body->point(0)->applyCentralForce(test::vec(1, 0, 0));
+  SoftBody* body = bullet.addSoft(cubeNetwork());
+  body->point(0)->applyCentralForce(vec(1, 0, 0));
   bullet.tick();
   for (int i = bullet.world->getNumCollisionObjects() - 1; i >= 0; --i) {
     btRigidBody* object = btRigidBody::upcast(bullet.world->getCollisionObjectArray()[i]);
@@ -317,14 +304,14 @@ TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   bullet.tick();
   EXPECT_FALSE(body->alive());
   EXPECT_EQ(body->surfaceObject(), nullptr);
-  (void)bullet.addSoft(test::cubeNetwork());
+  (void)bullet.addSoft(cubeNetwork());
   bullet.tick();
 }
 
 TEST(SurfaceLife, aBodyWhoseObjectTheApplicationHasRemovedIsNotAlive) {
   SoftWorld bullet;
   SoftBodySettings s;
-  SoftBody* body = bullet.addSoft(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   EXPECT_TRUE(body->alive());
   bullet.world->removeRigidBody(body->surfaceObject());
   EXPECT_FALSE(body->alive()) << "before the next tick";
@@ -338,7 +325,7 @@ TEST(SurfaceLife, aBodyWhoseObjectTheApplicationHasRemovedIsNotAlive) {
 /// A pool of bodies. `out`: ticks without the body; then it is added again, as any other or as Bullet's own.
 double heightOfPooled(int out, bool asRigid) {
   SoftWorld bullet;
-  SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), test::settingsAt({0, 20, 0}));
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), settingsAt({0, 20, 0}));
   for (int i = 0; i < 20; ++i) bullet.tick();
   btRigidBody* object = body->surfaceObject();
   if (out >= 0) {
@@ -368,9 +355,9 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
   btRigidBody* object = nullptr;
   {
     SoftWorld bullet;
-    SoftBody* body = bullet.addSoft(test::cubeNetwork(), {});
-    btRigidBody* rigid = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1, test::vec(3, 0, 0));
-    ASSERT_TRUE(bullet.system.addSpring({rigid, test::vec(0, 0, 0)}, {nullptr, test::vec(3, 1, 0)}));
+    SoftBody* body = bullet.addSoft(cubeNetwork(), {});
+    btRigidBody* rigid = bullet.addBox(vec(0.1, 0.1, 0.1), 1, vec(3, 0, 0));
+    ASSERT_TRUE(bullet.system.addSpring({rigid, vec(0, 0, 0)}, {nullptr, vec(3, 1, 0)}));
     bullet.simulate(0.1);
     const Eigen::Vector3d place = body->centerOfMass();
     object = body->surfaceObject();
@@ -378,11 +365,11 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
       bullet.world->removeRigidBody(moved);
       other.world->addRigidBody(moved);
     }
-    rigid->setLinearVelocity(test::vec(0, 0, 0));
+    rigid->setLinearVelocity(vec(0, 0, 0));
     EXPECT_FALSE(body->alive());
     bullet.simulate(0.5);
     EXPECT_EQ(body->centerOfMass(), place);
-    EXPECT_EQ(rigid->getLinearVelocity(), test::vec(0, 0, 0)) << "by the spring of its former world";
+    EXPECT_EQ(rigid->getLinearVelocity(), vec(0, 0, 0)) << "by the spring of its former world";
     EXPECT_TRUE(bullet.system.destroyBody(body));
     other.world->removeRigidBody(rigid);
     bullet.world->addRigidBody(rigid);
@@ -394,4 +381,4 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: Zlib
 // Worlds full of bodies in air, water and fields: threads, lanes, memory.
 #include "support/allocation_counter.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::SoftWorld;
 
 SoftBodySettings settingsInAir() {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.flow = FlowCoefficients();
   return s;
 }
@@ -35,7 +27,7 @@ struct BusyWorld {
     EXPECT_TRUE(system.addField([](const FieldPoints& p) {
       for (std::size_t i = 0; i < 3 * p.count; ++i) p.accelerations[i] -= 0.3 * p.velocities[i];
     }));
-    const SharedNetwork rope = *buildRope(), cloth = *buildCloth(), cube = test::closedCubeNetwork();
+    const SharedNetwork rope = *buildRope(), cloth = *buildCloth(), cube = closedCubeNetwork();
     SoftBodySettings s = settingsInAir();
     s.flow.displacedVolume = 1e-3;
     for (int i = 0; i < 12; ++i) {
@@ -77,7 +69,7 @@ TEST(BusySurroundings, givesTheSameBitsOnAnyNumberOfThreads) {
 TEST(BusySurroundings, allocatesNothingAfterWarmUp) {
   BusyWorld busy;
   busy.bullet.simulate(5.0);
-  const test::AllocationCounter counter;
+  const AllocationCounter counter;
   busy.bullet.simulate(1.0);
   EXPECT_EQ(counter.allocations(), 0u);
 }
@@ -104,4 +96,4 @@ TEST(BusySurroundings, bodiesStepTheSameAloneAndInLanes) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,32 +1,19 @@
 // SPDX-License-Identifier: Zlib
 // World, bodies and system may be destroyed in any order. AddressSanitizer detects every invalid access.
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <utility>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::SoftWorld;
-
 SoftBody* addCube(SoftBodySystem& system, double x = 0.0) {
-  SoftBodySettings s = test::settingsAt({x, 1, 0});
-  return *system.createBody(test::cubeNetwork(), s);
+  return *system.createBody(cubeNetwork(), settingsAt({x, 1, 0}));
 }
 
 /// Returns an object that represents the body in the world: one of its points, or its surface.
-btRigidBody* worldObjectOf(const SoftBody& body) {
-  return test::kSurface ? body.surfaceObject() : body.point(2);
-}
+btRigidBody* worldObjectOf(const SoftBody& body) { return kSurface ? body.surfaceObject() : body.point(2); }
 
 /// The clean-up loop of Bullet's HelloWorld and of CommonRigidBodyBase. It deletes every collision object.
 void deleteAllObjects(btDiscreteDynamicsWorld& world) {
@@ -94,7 +81,7 @@ TEST(Teardown, helloWorldLoopThenWorldThenSystem) {
   bullet.tick();
   deleteAllObjects(*bullet.world);
   EXPECT_FALSE(body->alive());
-  EXPECT_EQ(test::kSurface ? body->surfaceObject() : body->point(3), nullptr);
+  EXPECT_EQ(kSurface ? body->surfaceObject() : body->point(3), nullptr);
   bullet.tick();
   bullet.world.reset();
 }
@@ -137,14 +124,14 @@ TEST(Teardown, aNewWorldAtTheSamePlaceMayHaveBodiesBeforeTheOldSystemGoes) {
   btDiscreteDynamicsWorld* world = make(first);
   auto old = std::make_unique<SoftBodySystem>(*world);
   addCube(*old);
-  world->stepSimulation(btScalar(test::kTick), 0);
+  world->stepSimulation(btScalar(kTick), 0);
   world->~btDiscreteDynamicsWorld();
   world = make(second);
   auto system = std::make_unique<SoftBodySystem>(*world);
   SoftBody* cube = addCube(*system);
-  for (int i = 0; i < 10; ++i) world->stepSimulation(btScalar(test::kTick), 0);
+  for (int i = 0; i < 10; ++i) world->stepSimulation(btScalar(kTick), 0);
   old.reset();
-  for (int i = 0; i < 20; ++i) world->stepSimulation(btScalar(test::kTick), 0);
+  for (int i = 0; i < 20; ++i) world->stepSimulation(btScalar(kTick), 0);
   EXPECT_EQ(system->hookState(), HookState::Attached);
   EXPECT_GT(cube->substeps(), 0);
   EXPECT_LT(cube->centerOfMass().y(), 0.0) << "half a second of fall";
@@ -169,10 +156,10 @@ TEST(Teardown, removingOnePointEndsTheBodyButNotTheWorld) {
 }
 
 TEST(Teardown, theOtherPointsRestOnTheFloorAsBulletsOwnBodies) {
-  if (test::kSurface) GTEST_SKIP() << "no points in the world";
+  if (kSurface) GTEST_SKIP() << "no points in the world";
   SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBody* cube = bullet.addSoft(test::cubeNetwork(), test::settingsAt({0, 0.52, 0}));
+  SoftBody* cube = bullet.addSoft(cubeNetwork(), settingsAt({0, 0.52, 0}));
   for (int i = 0; i < 60; ++i) bullet.tick();
   btRigidBody* removed = nullptr;
   for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
@@ -196,7 +183,7 @@ TEST(Teardown, bodiesComeAndGoWhileTheWorldRuns) {
     bullet.tick();
   }
   EXPECT_EQ(bullet.system.bodyCount(), 14u);
-  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1 + 14 * (test::kSurface ? 1 : 8));
+  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1 + 14 * (kSurface ? 1 : 8));
   bullet.system.removeAll();
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1);
 }
@@ -409,7 +396,7 @@ TEST(Teardown, systemsOfSpringsAloneLeaveTheWorldAsItWas) {
 
 TEST(Teardown, ofASurfaceObjectThatTheUserHasAddedAgain) {
   SoftWorld bullet;
-  SoftBody* body = bullet.addSoft(test::cubeNetwork());
+  SoftBody* body = bullet.addSoft(cubeNetwork(), SoftBodySettings());
   btRigidBody* object = body->surfaceObject();
   if (!object) GTEST_SKIP() << "points alone have none";
   bullet.tick();
@@ -422,4 +409,4 @@ TEST(Teardown, ofASurfaceObjectThatTheUserHasAddedAgain) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Bodies are cut and tear. Whatever happens, mass, momentum, area and volume stay.
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
@@ -23,13 +16,10 @@
 #include <utility>
 #include <vector>
 
-namespace limber::tearing {
+namespace limber::test::tearing {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::SoftWorld;
-using test::vec;
 
 /// What a cut must not change.
 struct Totals {
@@ -110,35 +100,16 @@ std::size_t piecesOf(const SoftBody& body) {
   return count;
 }
 
-SharedNetwork cloth(std::uint32_t cells = 8) {
-  ClothSettings s;
-  s.columns = s.rows = cells;
-  return *buildCloth(s);
-}
-
-SharedNetwork rope() {
-  RopeSettings s;
-  s.segments = 20;
-  return *buildRope(s);
-}
-
 SharedNetwork braced() {
   NetworkSettings s;
   s.braces = BraceRule::TwoRing;
   return *buildNetwork(small_meshes::cube(3), s);
 }
 
-SharedNetwork filled() {
-  static const SharedNetwork network = [] {
-    MaterialMesh s;
-    s.points = 60;
-    return *buildMaterialNetwork(small_meshes::cube(3), s);
-  }();
-  return network;
-}
+SharedNetwork filled() { return solidNetwork(small_meshes::cube(3), 60); }
 
 struct World {
-  explicit World(const SharedNetwork& network, SoftBodySettings s = test::testedSettings())
+  explicit World(const SharedNetwork& network, SoftBodySettings s = testedSettings())
       : bullet(0.0), system(*bullet.world) {
     auto made = system.createBody(network, s);
     EXPECT_TRUE(made) << made.error();
@@ -157,7 +128,10 @@ std::uint32_t cut(SoftBody* body, const btVector3& point, const btVector3& norma
 
 /// A network and its name, for all kinds.
 const std::vector<std::pair<const char*, SharedNetwork (*)()>> kKinds = {
-    {"cloth", [] { return cloth(); }}, {"rope", rope}, {"braced", braced}, {"filled", filled}};
+    {"cloth", [] { return squareCloth(8); }},
+    {"rope", [] { return ropeNetwork(20); }},
+    {"braced", braced},
+    {"filled", filled}};
 
 }  // namespace
 
@@ -195,7 +169,7 @@ TEST(Cut, twoHalvesOfEveryKindMoveApart) {
 }
 
 TEST(Cut, anotherPlaceCutsNothing) {
-  World world(cloth());
+  World world(squareCloth(8));
   const std::uint64_t hash = world.body->stateHash();
   const SharedNetwork network = world.body->sharedNetwork();
   EXPECT_EQ(cut(world.body, vec(5, 0, 0), vec(1, 0, 0)), 0u);
@@ -217,7 +191,7 @@ TEST(Cut, theSamePlaneCutsOnce) {
 }
 
 TEST(Cut, aBladeOpensASlit) {
-  World world(cloth(10));
+  World world(squareCloth(10));
   const Totals before = totalsOf(*world.body);
   // from the border at x = -0.5 to the middle
   const auto made =
@@ -230,7 +204,7 @@ TEST(Cut, aBladeOpensASlit) {
 }
 
 TEST(Cut, pinnedAndAttachedPointsStay) {
-  World world(cloth(4));
+  World world(squareCloth(4));
   for (std::uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(world.body->pin(i));
   btRigidBody* box = world.bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, -1, 0.5));
   ASSERT_TRUE(world.system.attach(world.body, 22, *box));
@@ -263,7 +237,7 @@ TEST(Cut, aFilledBodyStaysClosedAndGetsFaces) {
 }
 
 TEST(Cut, aPiercedBalloonLosesItsGas) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.pressure = 50.0;
   World world(braced(), s);
   const Totals before = totalsOf(*world.body);
@@ -274,8 +248,8 @@ TEST(Cut, aPiercedBalloonLosesItsGas) {
 }
 
 TEST(Cut, rayTestsFindBothHalves) {
-  if (!test::kSurface) GTEST_SKIP() << "points are found as spheres";
-  World world(cloth());
+  if (!kSurface) GTEST_SKIP() << "points are found as spheres";
+  World world(squareCloth(8));
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0));
   ASSERT_TRUE(world.body->applyImpulse(vec(0, 0.1, 0)));
   world.bullet.simulate(0.2);
@@ -289,10 +263,10 @@ TEST(Cut, rayTestsFindBothHalves) {
 
 TEST(Cut, withinATickItIsMadeAtItsEnd) {
   BulletWorld bullet(0.0);
-  test::ActionOnce action;
+  ActionOnce action;
   bullet.world->addAction(&action);
   SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(cloth(), test::testedSettings());
+  SoftBody* body = *system.createBody(squareCloth(8), testedSettings());
   action.act = [&] { EXPECT_EQ(cut(body, vec(0.01, 0, 0), vec(1, 0, 0)), 0u); };
   const std::uint32_t count = body->pointCount();
   bullet.tick();
@@ -303,7 +277,7 @@ TEST(Cut, withinATickItIsMadeAtItsEnd) {
 }
 
 TEST(Cut, savedBodiesAreTheSame) {
-  World world(cloth());
+  World world(squareCloth(8));
   world.bullet.world->setGravity(vec(0, -9.81, 0));
   for (const std::uint32_t i : {0u, 8u}) ASSERT_TRUE(world.body->pin(i));
   world.bullet.simulate(0.3);
@@ -355,7 +329,7 @@ TEST(Cut, twoHundredRandomCutsKeepEverything) {
 namespace {
 
 SoftBodySettings tearing(double strain = 0.2) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.breakStrain = strain;
   s.elasticLimit.tear = true;
   return s;
@@ -413,7 +387,7 @@ TEST(Tear, everyKindThatIsPulledApartTearsAndMostEndInPieces) {
 }
 
 TEST(Tear, aRopeTearsOnceAndKeepsItsSegments) {
-  World world(rope(), tearing());
+  World world(ropeNetwork(20), tearing());
   pullApart(world, 1.0);
   std::size_t segments = 0;
   for (const NetworkSpring& s : world.body->network().springs)
@@ -427,17 +401,13 @@ TEST(Tear, aFastBallGoesThroughPaper) {
   constexpr std::uint32_t kCells = 20;
   for (const double tick : {1.0 / 60.0, 1.0 / 480.0}) {
     SoftWorld bullet(0.0);
-    ClothSettings grid;
-    grid.width = grid.depth = 2.0;
-    grid.columns = grid.rows = kCells;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.totalMass = 0.5;
-    s.extensionStiffness = s.compressionStiffness = 1000.0;
-    s.damping = 0.1;
+    setSprings(s, 1000.0, 0.1);
     s.pointRadius = 0.01;
     s.elasticLimit.breakStrain = 0.2;
     s.elasticLimit.tear = true;
-    SoftBody* paper = bullet.addSoft(*buildCloth(grid), s);
+    SoftBody* paper = bullet.addSoft(squareCloth(kCells, 2.0), s);
     const std::uint32_t points = paper->pointCount();
     for (std::uint32_t i = 0; i < points; ++i) {
       const std::uint32_t x = i % (kCells + 1), z = i / (kCells + 1);
@@ -456,13 +426,13 @@ TEST(Tear, nothingTearsBelowTheStrainOrWithoutTheSetting) {
   for (const bool tear : {false, true}) {
     SoftBodySettings s = tearing(5.0);
     s.elasticLimit.tear = tear;
-    World world(cloth(), s);
+    World world(squareCloth(8), s);
     EXPECT_EQ(pullApart(world, 0.3), 0u);
   }
 }
 
 TEST(Tear, aSavedTornBodyGoesOnTheSame) {
-  World world(cloth(), tearing());
+  World world(squareCloth(8), tearing());
   pullApart(world, 0.6);
   ASSERT_GT(world.body->pointCount(), 81u);
   const auto bytes = world.system.saveBodies();
@@ -480,7 +450,7 @@ TEST(Tear, aSavedTornBodyGoesOnTheSame) {
 TEST(Tear, equalRunsTearEqually) {
   std::vector<std::uint64_t> hashes;
   for (int run = 0; run < 2; ++run) {
-    World world(cloth(), tearing());
+    World world(squareCloth(8), tearing());
     pullApart(world, 0.8);
     hashes.push_back(world.body->stateHash());
   }
@@ -510,7 +480,7 @@ std::uint64_t hashOfCrowd(bool threads) {
   std::vector<SoftBody*> bodies;
   for (const auto& [name, make] : kKinds) {
     SoftBodySettings s = tearing(0.15);
-    s.selfCollision = test::kSurface;
+    s.selfCollision = kSurface;
     s.pointRadius = 0.01;
     s.position = Vector3d(0.1 * double(bodies.size()), 0.6 + 0.7 * double(bodies.size()), 0.05);
     bodies.push_back(bullet.addSoft(make(), s));
@@ -540,4 +510,4 @@ std::uint64_t hashOfCrowd(bool threads) {
 
 TEST(Tear, aCrowdIsTheSameOnThreads) { EXPECT_EQ(hashOfCrowd(false), hashOfCrowd(true)); }
 
-}  // namespace limber::tearing
+}  // namespace limber::test::tearing

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Joints between rigid bodies to which a soft body is attached keep momentum and energy while they turn.
-#include "support/bullet_measures.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
@@ -14,13 +8,10 @@
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::SoftWorld;
-using test::vec;
 
 using Make = std::function<btTypedConstraint*(btRigidBody&, btRigidBody&)>;
 
@@ -81,9 +72,8 @@ RopeSettings ropeOf(std::uint32_t segments) {
 
 /// Settings of a stiff rope that begins at x and touches nothing.
 SoftBodySettings undamped(double mass, double x) {
-  SoftBodySettings s = test::settingsAt({x, 0.1, 0.0});
-  s.extensionStiffness = s.compressionStiffness = 2e4;
-  s.damping = 0.0;
+  SoftBodySettings s = settingsAt({x, 0.1, 0.0});
+  setSprings(s, 2e4, 0.0);
   s.totalMass = mass;
   s.collisionMask = 0;
   return s;
@@ -113,12 +103,12 @@ struct SpinningPair {
 
   Vector3d angularMomentum() const {
     Vector3d sum = soft->angularMomentum();
-    for (const btRigidBody* body : bodies) sum += test::angularMomentumOf(*body);
+    for (const btRigidBody* body : bodies) sum += angularMomentumOf(*body);
     return sum;
   }
   double energy() const {
-    double sum = test::energyOf(*soft);
-    for (const btRigidBody* body : bodies) sum += test::kineticEnergyOf(*body);
+    double sum = energyOf(*soft);
+    for (const btRigidBody* body : bodies) sum += kineticEnergyOf(*body);
     return sum;
   }
   double gap() const {
@@ -168,8 +158,8 @@ TEST(TurningJoints, letALimbSwing) {
   ASSERT_TRUE(bullet.system.attach(soft, 4, *links[1]));
   for (btRigidBody* link : links) link->setActivationState(DISABLE_DEACTIVATION);
   const auto energy = [&] {
-    double sum = test::energyOf(*soft, 10.0);
-    for (const btRigidBody* link : links) sum += test::energyOf(*link, 10.0);
+    double sum = energyOf(*soft, 10.0);
+    for (const btRigidBody* link : links) sum += energyOf(*link, 10.0);
     return sum;
   };
   const double before = energy();
@@ -186,4 +176,4 @@ TEST(TurningJoints, letALimbSwing) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

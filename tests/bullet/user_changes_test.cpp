@@ -1,26 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Changes of bodies and world by the application between ticks take effect. The world's substeps and time
 // steps do not change the results.
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
 
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
-
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kTick;
-using test::SoftWorld;
-
 struct Sim {
-  explicit Sim(double gravity = -9.81, SoftBodySettings s = test::testedSettings())
+  explicit Sim(double gravity = -9.81, SoftBodySettings s = testedSettings())
       : bullet(gravity), system(*bullet.world) {
-    body = *system.createBody(test::cubeNetwork(), s);
+    body = *system.createBody(cubeNetwork(), s);
   }
   BulletWorld bullet;
   SoftBodySystem system;
@@ -100,7 +89,7 @@ TEST(UserChanges, teleportMovesTheBodyWithoutAKick) {
 
 TEST(UserChanges, onePointIsPulledAwayAndComesBack) {
   Sim sim(0.0);
-  sim.body->point(7)->translate(test::vec(0.2, 0.1, 0));
+  sim.body->point(7)->translate(vec(0.2, 0.1, 0));
   EXPECT_GT(sim.body->elasticEnergy(), 1.0);
   sim.bullet.simulate(20.0);
   EXPECT_LT(sim.body->elasticEnergy(), 1e-6);
@@ -129,7 +118,7 @@ TEST(UserChanges, gravityOfOnePointIsItsOwn) {
 TEST(UserChanges, linearFactorKeepsAPointInItsPlane) {
   Sim sim;
   for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->setLinearFactor(btVector3(1, 1, 0));
-  sim.body->point(0)->applyCentralImpulse(test::vec(0.3, 0, 0));
+  sim.body->point(0)->applyCentralImpulse(vec(0.3, 0, 0));
   const double z = sim.body->position(0).z();
   sim.bullet.simulate(1.0);
   for (std::uint32_t i = 0; i < 8; ++i) EXPECT_NEAR(std::abs(sim.body->position(i).z()), std::abs(z), 1e-12);
@@ -167,8 +156,8 @@ TEST(UserChanges, userPointersAndIndicesAreTheUsers) {
 }
 
 TEST(UserChanges, aRayFindsThePointAndThePointItsBody) {
-  if (test::kSurface) GTEST_SKIP() << "a ray finds the surface, see surface_query_test";
-  SoftBodySettings s = test::testedSettings();
+  if (kSurface) GTEST_SKIP() << "a ray finds the surface, see surface_query_test";
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.05;
   Sim sim(0.0, s);
   sim.bullet.tick();
@@ -196,10 +185,10 @@ TEST(UserChanges, pointsDoNotSpin) {
 }
 
 TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
-  if (test::kSurface) GTEST_SKIP() << "Bullet's constraints hold bodies of the world only";
+  if (kSurface) GTEST_SKIP() << "Bullet's constraints hold bodies of the world only";
   // The picker adds a point-to-point constraint, which disables collisions with its anchor and keeps the
   // point awake. It later removes both. Afterwards points of one body must still not collide.
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.4;
   Sim sim(0.0, s);
   btRigidBody* point = sim.body->point(0);
@@ -218,13 +207,13 @@ TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
 TEST(UserChanges, anActionsImpulseOnAPointCounts) {
   for (const bool early : {true, false}) {
     BulletWorld bullet(0);
-    test::ActionOnce push;
+    ActionOnce push;
     if (early) bullet.world->addAction(&push);
     {
       SoftBodySystem system(*bullet.world);
-      SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+      SoftBody* body = *system.createBody(cubeNetwork(), testedSettings());
       if (!early) bullet.world->addAction(&push);
-      push.act = [&] { body->point(0)->applyCentralImpulse(test::vec(1, 0, 0)); };
+      push.act = [&] { body->point(0)->applyCentralImpulse(vec(1, 0, 0)); };
       bullet.tick();
       bullet.tick();
       EXPECT_NEAR(body->linearMomentum().x(), 1.0, 1e-6) << early;
@@ -236,13 +225,13 @@ TEST(UserChanges, anActionsImpulseOnAPointCounts) {
 /// A cube that flies at 0.3 m/s, and that an early action changes once.
 struct ChangedCube {
   BulletWorld bullet{0};
-  test::ActionOnce action;
+  ActionOnce action;
   SoftBodySystem system{(bullet.world->addAction(&action), *bullet.world)};
   SoftBody* body;
 
-  explicit ChangedCube(SoftBodySettings s = test::testedSettings()) {
+  explicit ChangedCube(SoftBodySettings s = testedSettings()) {
     s.linearVelocity = {0.3, 0, 0};
-    body = *system.createBody(test::closedCubeNetwork(), s);
+    body = *system.createBody(closedCubeNetwork(), s);
     bullet.tick();
   }
   ~ChangedCube() { bullet.world->removeAction(&action); }
@@ -258,14 +247,14 @@ struct ChangedCube {
 TEST(UserChanges, earlyActionsPushABodyOnce) {
   ChangedCube pushed, thrown, turned;
   const Eigen::Vector3d start = pushed.body->linearMomentum();
-  pushed.change([](SoftBody& body) { return body.applyImpulse(test::vec(0, 1, 0)); });
+  pushed.change([](SoftBody& body) { return body.applyImpulse(vec(0, 1, 0)); });
   EXPECT_NEAR((pushed.body->linearMomentum() - start - Eigen::Vector3d(0, 1, 0)).norm(), 0.0, 1e-5);
 
-  thrown.change([](SoftBody& body) { return body.setVelocity(test::vec(0, 1, 0)); });
+  thrown.change([](SoftBody& body) { return body.setVelocity(vec(0, 1, 0)); });
   const Eigen::Vector3d velocity = thrown.body->linearMomentum() * (0.3 / start.x());
   EXPECT_NEAR((velocity - Eigen::Vector3d(0, 1, 0)).norm(), 0.0, 1e-5);
 
-  turned.change([](SoftBody& body) { return body.applyTorqueImpulse(test::vec(0, 0.1, 0)); });
+  turned.change([](SoftBody& body) { return body.applyTorqueImpulse(vec(0, 0.1, 0)); });
   const Eigen::Vector3d spin =
       turned.body->angularMomentum() - turned.body->centerOfMass().cross(turned.body->linearMomentum());
   EXPECT_NEAR((spin - Eigen::Vector3d(0, 0.1, 0)).norm(), 0.0, 1e-5);
@@ -273,9 +262,8 @@ TEST(UserChanges, earlyActionsPushABodyOnce) {
 
 TEST(UserChanges, earlyActionsPlaceABodyAtRest) {
   ChangedCube cube;
-  cube.change([](SoftBody& body) {
-    return body.reset(btTransform(btQuaternion::getIdentity(), test::vec(0, 5, 0)));
-  });
+  cube.change(
+      [](SoftBody& body) { return body.reset(btTransform(btQuaternion::getIdentity(), vec(0, 5, 0))); });
   EXPECT_NEAR((cube.body->centerOfMass() - Eigen::Vector3d(0, 5, 0)).norm(), 0.0, 1e-6);
   EXPECT_NEAR(cube.body->kineticEnergy(), 0.0, 1e-10);
 }
@@ -283,9 +271,9 @@ TEST(UserChanges, earlyActionsPlaceABodyAtRest) {
 /// A body that grows into the floor is pushed out no faster than its settings let it recover.
 TEST(UserChanges, earlyActionsEnlargeABodyOnTheFloorWithoutThrowingIt) {
   ChangedCube cube;
-  cube.bullet.world->setGravity(test::vec(0, -9.81, 0));
+  cube.bullet.world->setGravity(vec(0, -9.81, 0));
   cube.bullet.addBoxFloor();
-  ASSERT_TRUE(cube.body->reset(btTransform(btQuaternion::getIdentity(), test::vec(0, 0.55, 0))));
+  ASSERT_TRUE(cube.body->reset(btTransform(btQuaternion::getIdentity(), vec(0, 0.55, 0))));
   for (int i = 0; i < 60; ++i) cube.bullet.tick();
   cube.change([](SoftBody& body) {
     SoftBodySettings larger = body.settings();
@@ -301,17 +289,16 @@ TEST(UserChanges, earlyActionsEnlargeABodyOnTheFloorWithoutThrowingIt) {
 
 /// Reading must not change what a rotation of the whole body does to its motion: the body keeps its momentum.
 TEST(UserChanges, readingARotatedBodyChangesNothing) {
-  if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
+  if (!kSurface) GTEST_SKIP() << "point masses of the world have no common object";
   for (const bool look : {false, true}) {
     SoftWorld bullet(0);
-    SoftBody* body = bullet.addSoft(test::closedCubeNetwork());
+    SoftBody* body = bullet.addSoft(closedCubeNetwork());
     body->point(0);
     bullet.tick();
-    for (std::uint32_t i = 0; i < body->pointCount(); ++i)
-      body->point(i)->setLinearVelocity(test::vec(5, 0, 0));
+    for (std::uint32_t i = 0; i < body->pointCount(); ++i) body->point(i)->setLinearVelocity(vec(5, 0, 0));
     btRigidBody& object = *body->surfaceObject();
     btTransform pose = object.getWorldTransform();
-    pose.setRotation(btQuaternion(test::vec(0, 1, 0), SIMD_HALF_PI));
+    pose.setRotation(btQuaternion(vec(0, 1, 0), SIMD_HALF_PI));
     object.setWorldTransform(pose);
     if (look) body->position(0);
     bullet.tick();
@@ -329,4 +316,4 @@ TEST(UserChanges, theBodiesDrawFlagAndMotionStatesStayOut) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

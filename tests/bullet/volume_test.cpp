@@ -1,53 +1,35 @@
 // SPDX-License-Identifier: Zlib
 // Closed bodies in a world keep their volume; pressure inflates them.
-#include "support/networks.h"
 #include "support/small_meshes.h"
 #include "support/soft_world.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <random>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::SoftWorld;
-
-/// Returns the signed volume, m^3.
-double volumeOf(const SoftBody& body) {
-  double six = 0.0;
-  for (const Triangle& t : body.network().surface)
-    six += body.position(t[0]).dot(body.position(t[1]).cross(body.position(t[2])));
-  return six / 6.0;
-}
 
 TEST(Volume, isRefusedWhereThereIsNoneAndNothingIsLeftBehind) {
   SoftWorld bullet;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.pressure = 1.0;
   EXPECT_EQ(bullet.system.createBody(*buildCloth(), s).error(),
             "pressure: a rope or cloth encloses no volume");
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
   s.pressure = -1.0;
-  EXPECT_EQ(bullet.system.createBody(test::closedCubeNetwork(), s).error(),
+  EXPECT_EQ(bullet.system.createBody(closedCubeNetwork(), s).error(),
             "settings: pressure is -1, must be from 0 to 1e12");
 }
 
 TEST(Volume, bringsAnInvertedBodyBack) {
   SoftWorld bullet(0.0);
   for (const bool withVolume : {true, false}) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     if (!withVolume) s.volumeModulus = 0.0;
     s.position = {withVolume ? 0.0 : 5.0, 0, 0};
-    SoftBody* body = bullet.addSoft(test::closedCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
     for (std::uint32_t i = 0; i < 8; ++i) {
       const Eigen::Vector3d x = s.position - body->network().restPoints[i];
-      body->point(i)->getWorldTransform().setOrigin(test::vec(x.x() + 1e-3 * i, x.y(), x.z()));
+      body->point(i)->getWorldTransform().setOrigin(vec(x.x() + 1e-3 * i, x.y(), x.z()));
     }
     bullet.simulate(10.0);
     EXPECT_NEAR(volumeOf(*body), withVolume ? 1.0 : -1.0, 1e-4)
@@ -59,14 +41,14 @@ TEST(Volume, bringsAnInvertedBodyBack) {
 std::vector<std::uint64_t> hashes(bool shared) {
   SoftWorld bullet;
   bullet.addBoxFloor();
-  const SharedNetwork cube = test::closedCubeNetwork();
+  const SharedNetwork cube = closedCubeNetwork();
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s = test::settingsAt({2.0 * i, 1.5, 0});
+    SoftBodySettings s = settingsAt({2.0 * i, 1.5, 0});
     s.scale = {i % 3 == 1 ? -1.0 : 1.0, 1.0 + 0.1 * i, 1.0};
     s.pressure = 5.0 * i;
     s.ambientPressure = i % 4 == 3 ? 100.0 : 0.0;
     s.angularVelocity = {1, 2, 3};
-    (void)bullet.addSoft(shared ? cube : test::closedCubeNetwork(), s);
+    (void)bullet.addSoft(shared ? cube : closedCubeNetwork(), s);
   }
   bullet.simulate(2.0);
   std::vector<std::uint64_t> all;
@@ -83,7 +65,7 @@ TEST(Volume, isTheSameToTheBitForBodiesSteppedTogether) { EXPECT_EQ(hashes(true)
 /// (m/s).
 struct UndampedFlight {
   UndampedFlight(const SharedNetwork& network, std::size_t count, double speed, int minSubsteps) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.damping = 0.0;
     s.stepping.minSubsteps = minSubsteps;
     std::mt19937 random(7);
@@ -92,7 +74,7 @@ struct UndampedFlight {
       s.position.x() = 1000.0 * static_cast<double>(b);
       SoftBody* body = *system.createBody(network, s);
       for (std::uint32_t i = 0; i < body->pointCount(); ++i) {
-        body->point(i)->setLinearVelocity(test::vec(component(random), component(random), component(random)));
+        body->point(i)->setLinearVelocity(vec(component(random), component(random), component(random)));
         body->point(i)->setActivationState(DISABLE_DEACTIVATION);
       }
     }
@@ -106,7 +88,7 @@ struct UndampedFlight {
 };
 
 TEST(Volume, undampedFlightKeepsItsEnergy) {
-  for (const SharedNetwork& network : {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
+  for (const SharedNetwork& network : {closedCubeNetwork(), bracedNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u})  // alone, and side by side in SIMD lanes
       for (const double speed : {0.8, 2.0, 8.0})
         for (const int minSubsteps : {5, 60}) {
@@ -135,7 +117,7 @@ TEST(Volume, undampedFlightKeepsItsEnergy) {
 }
 
 TEST(Volume, undampedFlightIsReversible) {
-  for (const SharedNetwork& network : {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
+  for (const SharedNetwork& network : {closedCubeNetwork(), bracedNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u}) {
       UndampedFlight flight(network, bodies, 2.0, 5);
       const SoftBody& body = *flight.system.body(0);
@@ -163,9 +145,8 @@ TEST(Volume, isKeptByABallThatIsPressedFlat) {
     NetworkSettings network;
     network.braces = BraceRule::None;
     network.braceWeight = 1.0;
-    SoftBodySettings s = test::settingsAt({5.0 * gas, 1.0, 0});
-    s.extensionStiffness = s.compressionStiffness = 10.0;
-    s.damping = 1.0;
+    SoftBodySettings s = settingsAt({5.0 * gas, 1.0, 0});
+    setSprings(s, 10.0, 1.0);
     s.volumeModulus = 0.0;
     s.pressure = gas ? 20.0 : 0.0;
     SoftBody* ball = bullet.addSoft(*buildNetwork(small_meshes::icosphere(1), network), s);
@@ -186,9 +167,8 @@ TEST(Volume, ofABallFilledWithAirFollowsBoylesLaw) {
     NetworkSettings network;
     network.braces = BraceRule::None;
     network.braceWeight = 1.0;
-    SoftBodySettings s = test::settingsAt({0, 1.2, 0});
-    s.extensionStiffness = s.compressionStiffness = 50.0;
-    s.damping = 1.0;
+    SoftBodySettings s = settingsAt({0, 1.2, 0});
+    setSprings(s, 50.0, 1.0);
     s.volumeModulus = 0.0;
     s.pressure = 5000.0;
     s.ambientPressure = 101325.0;
@@ -231,14 +211,12 @@ double swellingOf(SoftBody& body, BulletWorld& bullet) {
 }
 
 TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
-  MaterialMesh mesh;
-  mesh.points = 150;
-  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  const SharedNetwork block = solidNetwork(small_meshes::cube(), 150);
   double swelling[3];
   const double ratios[] = {0.25, 0.35, 0.45};
   for (int i = 0; i < 3; ++i) {
     SoftWorld bullet(0.0);
-    SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, test::testedSettings());
+    SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, testedSettings());
     s.damping = 30.0;
     swelling[i] = swellingOf(*bullet.addSoft(block, s), bullet);
     // the requested ratio is a mean over all directions of a lattice that is not quite isotropic
@@ -249,18 +227,16 @@ TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
 }
 
 TEST(Volume, ofTetrahedraCountsAsElasticEnergy) {
-  MaterialMesh mesh;
-  mesh.points = 40;
-  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  const SharedNetwork block = solidNetwork(small_meshes::cube(), 40);
   SoftWorld bullet(0.0);
   double energies[2];
   for (const int i : {0, 1}) {
-    SoftBodySettings s = test::settingsAt({3.0 * i, 0, 0});
+    SoftBodySettings s = settingsAt({3.0 * i, 0, 0});
     s.volumeModulus = i * 1e6;
     SoftBody* body = bullet.addSoft(block, s);
     for (std::uint32_t p = 0; p < body->pointCount(); ++p) {
       const Eigen::Vector3d x = s.position + 0.9 * block->restPoints[p];
-      body->point(p)->getWorldTransform().setOrigin(test::vec(x.x(), x.y(), x.z()));
+      body->point(p)->getWorldTransform().setOrigin(vec(x.x(), x.y(), x.z()));
     }
     energies[i] = body->elasticEnergy();
   }
@@ -277,7 +253,7 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
     const SharedNetwork shared = *buildMaterialNetwork(small_meshes::cube(), mesh);
     std::vector<std::uint64_t> all;
     for (int i = 0; i < 5; ++i) {
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = testedSettings();
       s.scale.x() = i == 3 ? -1.0 : 1.0;
       s.position = {3.0 * i, 1.0, 0.0};
       s.angularVelocity = {1, 2, 3};
@@ -297,7 +273,7 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
 /// Returns the positions of a ball of a material that spins, half a second after it was hit.
 std::vector<double> hitBall(const SharedNetwork& ball, const Material& material, int minSubsteps) {
   SoftWorld bullet(0.0);
-  SoftBodySettings s = *withMaterial(*ball, material, test::testedSettings());
+  SoftBodySettings s = *withMaterial(*ball, material, testedSettings());
   s.angularVelocity = {0, 3, 0};
   s.stepping.minSubsteps = minSubsteps;
   SoftBody* body = bullet.addSoft(ball, s);
@@ -313,9 +289,7 @@ std::vector<double> hitBall(const SharedNetwork& ball, const Material& material,
 /// error falls with the square of the frequency. Where the limit of the volume force softens tetrahedra in
 /// these substeps, the error of rubber is above 1e-4 m.
 TEST(Volume, ofTetrahedraIsResolvedByTheUsualSubsteps) {
-  MaterialMesh mesh;
-  mesh.points = 150;
-  const SharedNetwork ball = *buildMaterialNetwork(small_meshes::icosphere(3), mesh);
+  const SharedNetwork ball = solidNetwork(small_meshes::icosphere(3), 150);
   for (const Material& material : {Material::jelly(), Material::rubber(), Material::stiff()}) {
     SCOPED_TRACE(material.youngsModulus);
     const std::vector<double> usual = hitBall(ball, material, 5), exact = hitBall(ball, material, 400);
@@ -326,4 +300,4 @@ TEST(Volume, ofTetrahedraIsResolvedByTheUsualSubsteps) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

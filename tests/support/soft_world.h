@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "support/bullet_measures.h"
 #include "support/bullet_world.h"
+#include "support/constants.h"
+#include "support/networks.h"
 #include "support/tested_way.h"
 
 #include <limber/limber.h>
@@ -9,6 +12,8 @@
 #include <gtest/gtest.h>
 
 namespace limber::test {
+
+// What the tests in worlds need: worlds, bodies and measurements.
 
 /// A Bullet world with a system of soft bodies.
 struct SoftWorld : BulletWorld {

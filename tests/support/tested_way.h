@@ -33,4 +33,10 @@ inline SoftBodySettings settingsAt(const Eigen::Vector3d& position) {
   return s;
 }
 
+/// Sets the stiffness (N/m) in both directions and the damping (N s/m) of all springs.
+inline void setSprings(SoftBodySettings& s, double stiffness, double damping) {
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = damping;
+}
+
 }  // namespace limber::test
