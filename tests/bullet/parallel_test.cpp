@@ -335,9 +335,7 @@ TEST(ParallelTick, allocatesNothingAfterWarmUp) {
   // both threads must have had each kind of work once, and no one knows when
   std::size_t allocations = 1;
   for (int second = 0; second < 20 && allocations > 0; ++second) {
-    const AllocationCounter counter;
-    bullet.simulate(1.0);
-    allocations = counter.allocations();
+    allocations = allocationsIn([&] { bullet.simulate(1.0); });
   }
   EXPECT_EQ(allocations, 0u);
 }

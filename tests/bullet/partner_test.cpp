@@ -98,7 +98,7 @@ TEST(Partners, heavyBoxesRestOnStiffCubesToo) {
     // friction keeps the box from slipping off; it also carries a small part of the load
     SoftBodySettings s = dampedSettings(1e5, 0.5 + kRadius, 1.0);
     s.damping *= 20;
-    (bullet.addSoft(fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
+    bullet.addSoft(fullCubeNetwork(), s)->point(0)->setActivationState(DISABLE_DEACTIVATION);
     btRigidBody* box = addBox(bullet, mass, 1 + 2 * kRadius + 0.1, 0.5);
     bullet.simulate(15.0);
     const double expected = cubeHeight(1e5, mass * kGravity) + 2 * kRadius + 0.1;
@@ -241,7 +241,7 @@ TEST(Partners, aHingedLidLeansOnACube) {
   SoftBodySettings s = dampedSettings(stiffness, 0.5 + kRadius, 0.5);
   s.position.x() = -0.2;
   s.damping *= 10;
-  (bullet.addSoft(fullCubeNetwork(), s))->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  bullet.addSoft(fullCubeNetwork(), s)->point(0)->setActivationState(DISABLE_DEACTIVATION);
   const double y = 1 + 2 * kRadius + 0.05;
   btRigidBody* lid = bullet.addAwakeBox(vec(2.0, 0.05, 0.6), 10.0, vec(-2.0 + 0.5, y, 0));
   lid->setFriction(0);

@@ -108,17 +108,24 @@ SharedNetwork braced() {
 
 SharedNetwork filled() { return solidNetwork(small_meshes::cube(3), 60); }
 
-struct World {
-  explicit World(const SharedNetwork& network, SoftBodySettings s = testedSettings())
-      : bullet(0.0), system(*bullet.world) {
-    auto made = system.createBody(network, s);
-    EXPECT_TRUE(made) << made.error();
-    body = *made;
-  }
-  BulletWorld bullet;
-  SoftBodySystem system;
+/// A world without gravity with one body.
+struct World : SoftWorld {
+  explicit World(const SharedNetwork& network, const SoftBodySettings& s = testedSettings())
+      : SoftWorld(0.0), body(addSoft(network, s)) {}
   SoftBody* body;
 };
+
+/// Saves the body and loads it in another world of this gravity (m/s^2). Both must move alike for `seconds`.
+void expectSameMotionWhenLoaded(World& world, double gravity, double seconds) {
+  SoftWorld other(gravity);
+  const auto loaded = other.system.loadBodies(world.system.saveBodies());
+  ASSERT_TRUE(loaded) << loaded.error();
+  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+  world.simulate(seconds);
+  other.simulate(seconds);
+  EXPECT_EQ((*loaded)[0]->pointCount(), world.body->pointCount());
+  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+}
 
 std::uint32_t cut(SoftBody* body, const btVector3& point, const btVector3& normal) {
   const auto result = body->cut(point, normal);
@@ -163,7 +170,7 @@ TEST(Cut, twoHalvesOfEveryKindMoveApart) {
       return least;
     };
     const double start = left();
-    world.bullet.simulate(1.0);
+    world.simulate(1.0);
     EXPECT_NEAR(left() - start, 1.0, 0.3) << name;
   }
 }
@@ -206,15 +213,15 @@ TEST(Cut, aBladeOpensASlit) {
 TEST(Cut, pinnedAndAttachedPointsStay) {
   World world(squareCloth(4));
   for (std::uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(world.body->pin(i));
-  btRigidBody* box = world.bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, -1, 0.5));
+  btRigidBody* box = world.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, -1, 0.5));
   ASSERT_TRUE(world.system.attach(world.body, 22, *box));
   const Totals before = totalsOf(*world.body);
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0));
   expectSame(before, *world.body, "pinned");
   for (const Tear& tear : world.body->tears())
     EXPECT_EQ(world.body->pinned(tear.copy), tear.point < 5) << tear.point;
-  world.bullet.world->setGravity(vec(0, -9.81, 0));
-  world.bullet.simulate(1.0);
+  world.world->setGravity(vec(0, -9.81, 0));
+  world.simulate(1.0);
   EXPECT_TRUE(world.body->position(0).allFinite());
   EXPECT_EQ(world.body->restorations(), 0u);
 }
@@ -244,7 +251,7 @@ TEST(Cut, aPiercedBalloonLosesItsGas) {
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0));
   expectSame(before, *world.body, "balloon");
   EXPECT_EQ(world.body->settings().pressure, 0.0);
-  world.bullet.simulate(0.5);
+  world.simulate(0.5);
 }
 
 TEST(Cut, rayTestsFindBothHalves) {
@@ -252,11 +259,11 @@ TEST(Cut, rayTestsFindBothHalves) {
   World world(squareCloth(8));
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0));
   ASSERT_TRUE(world.body->applyImpulse(vec(0, 0.1, 0)));
-  world.bullet.simulate(0.2);
+  world.simulate(0.2);
   for (const double x : {-0.3, 0.3}) {
     const btVector3 from = vec(x, 2, 0.1), to = vec(x, -2, 0.1);
     btCollisionWorld::ClosestRayResultCallback hit(from, to);
-    world.bullet.world->rayTest(from, to, hit);
+    world.world->rayTest(from, to, hit);
     EXPECT_TRUE(hit.hasHit()) << x;
   }
 }
@@ -278,20 +285,12 @@ TEST(Cut, withinATickItIsMadeAtItsEnd) {
 
 TEST(Cut, savedBodiesAreTheSame) {
   World world(squareCloth(8));
-  world.bullet.world->setGravity(vec(0, -9.81, 0));
+  world.world->setGravity(vec(0, -9.81, 0));
   for (const std::uint32_t i : {0u, 8u}) ASSERT_TRUE(world.body->pin(i));
-  world.bullet.simulate(0.3);
+  world.simulate(0.3);
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0.2));
-  world.bullet.simulate(0.2);
-  const auto bytes = world.system.saveBodies();
-  BulletWorld other(-9.81);
-  SoftBodySystem system(*other.world);
-  const auto loaded = system.loadBodies(bytes);
-  ASSERT_TRUE(loaded) << loaded.error();
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
-  world.bullet.simulate(0.3);
-  other.simulate(0.3);
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+  world.simulate(0.2);
+  expectSameMotionWhenLoaded(world, -9.81, 0.3);
 }
 
 TEST(Cut, twoHundredRandomCutsKeepEverything) {
@@ -299,8 +298,8 @@ TEST(Cut, twoHundredRandomCutsKeepEverything) {
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   for (const auto& [name, make] : kKinds) {
     World world(make());
-    world.bullet.world->setGravity(vec(0, -9.81, 0));
-    world.bullet.addPlaneFloor()->getWorldTransform().setOrigin(vec(0, -1, 0));
+    world.world->setGravity(vec(0, -9.81, 0));
+    world.addPlaneFloor()->getWorldTransform().setOrigin(vec(0, -1, 0));
     for (int i = 0; i < 50; ++i) {
       const Totals before = totalsOf(*world.body);
       const btVector3 center = world.body->transform().getOrigin();
@@ -314,8 +313,8 @@ TEST(Cut, twoHundredRandomCutsKeepEverything) {
         EXPECT_TRUE(world.body->cut({place, place + u, place + u + v, place + v}));
       }
       expectSame(before, *world.body, name + std::to_string(i));
-      world.bullet.tick();
-      world.bullet.tick();
+      world.tick();
+      world.tick();
       for (std::uint32_t p = 0; p < world.body->pointCount(); ++p)
         ASSERT_TRUE(world.body->position(p).allFinite()) << name << i;
       ASSERT_EQ(world.body->restorations(), 0u) << name << i;
@@ -355,7 +354,7 @@ std::size_t pullApart(World& world, double seconds) {
       EXPECT_TRUE(world.body->movePin(i, vec(to.x(), to.y(), to.z())));
     }
     const std::uint32_t before = world.body->pointCount();
-    world.bullet.tick();
+    world.tick();
     tears += world.body->tears().size();
     EXPECT_EQ(world.body->pointCount() - before, world.body->tears().size());
     for (const Tear& tear : world.body->tears()) EXPECT_TRUE(tear.place.allFinite());
@@ -435,16 +434,7 @@ TEST(Tear, aSavedTornBodyGoesOnTheSame) {
   World world(squareCloth(8), tearing());
   pullApart(world, 0.6);
   ASSERT_GT(world.body->pointCount(), 81u);
-  const auto bytes = world.system.saveBodies();
-  BulletWorld other(0.0);
-  SoftBodySystem system(*other.world);
-  const auto loaded = system.loadBodies(bytes);
-  ASSERT_TRUE(loaded) << loaded.error();
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
-  world.bullet.simulate(0.5);
-  other.simulate(0.5);
-  EXPECT_EQ((*loaded)[0]->pointCount(), world.body->pointCount());
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+  expectSameMotionWhenLoaded(world, 0.0, 0.5);
 }
 
 TEST(Tear, equalRunsTearEqually) {

@@ -6,13 +6,9 @@
 namespace limber::test {
 namespace {
 
-struct Sim {
-  explicit Sim(double gravity = -9.81, SoftBodySettings s = testedSettings())
-      : bullet(gravity), system(*bullet.world) {
-    body = *system.createBody(cubeNetwork(), s);
-  }
-  BulletWorld bullet;
-  SoftBodySystem system;
+struct Sim : SoftWorld {
+  explicit Sim(double gravity = -9.81, const SoftBodySettings& s = testedSettings())
+      : SoftWorld(gravity), body(addSoft(cubeNetwork(), s)) {}
   SoftBody* body;
 };
 
@@ -22,9 +18,9 @@ TEST(WorldSubsteps, oneStepOfTwoSubstepsEqualsTwoStepsOfOne) {
   two.body->point(0)->applyCentralImpulse(btVector3(1, 0, 0));
   const btScalar tick = btScalar(kTick);
   for (int i = 0; i < 30; ++i) {
-    one.bullet.world->stepSimulation(2 * tick, 2, tick);
-    two.bullet.world->stepSimulation(tick, 1, tick);
-    two.bullet.world->stepSimulation(tick, 1, tick);
+    one.world->stepSimulation(2 * tick, 2, tick);
+    two.world->stepSimulation(tick, 1, tick);
+    two.world->stepSimulation(tick, 1, tick);
     ASSERT_EQ(one.body->stateHash(), two.body->stateHash()) << "frame " << i;
   }
 }
@@ -35,7 +31,7 @@ TEST(WorldSubsteps, aForceActsOverTheWholeStepWhateverItsSubsteps) {
     const btScalar tick = btScalar(kTick / substeps);
     for (std::uint32_t i = 0; i < 8; ++i)
       sim.body->point(i)->applyCentralForce(btVector3(btScalar(0.3), 0, 0));
-    sim.bullet.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), substeps, tick);
+    sim.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), substeps, tick);
     EXPECT_NEAR(sim.body->linearMomentum().x(), 8 * 0.3 * kTick, 1e-6) << substeps;
   }
 }
@@ -45,7 +41,7 @@ TEST(WorldSubsteps, variableTimeStepsFallTheSame) {
   double time = 0;
   for (int i = 0; i < 120; ++i) {
     const double dt = 0.004 + 0.00021 * (i % 37);
-    sim.bullet.tick(dt);
+    sim.tick(dt);
     time += double(btScalar(dt));
   }
   const double exact = -0.5 * double(btScalar(9.81)) * time * time;
@@ -55,9 +51,9 @@ TEST(WorldSubsteps, variableTimeStepsFallTheSame) {
 TEST(WorldSubsteps, aStepWithoutATickLosesNothing) {
   Sim sim;
   const auto before = sim.body->stateHash();
-  sim.bullet.world->stepSimulation(btScalar(0.001), 1, btScalar(kTick));
+  sim.world->stepSimulation(btScalar(0.001), 1, btScalar(kTick));
   EXPECT_EQ(sim.body->stateHash(), before);
-  sim.bullet.world->stepSimulation(btScalar(0), 0);
+  sim.world->stepSimulation(btScalar(0), 0);
   EXPECT_EQ(sim.body->stateHash(), before);
 }
 
@@ -65,24 +61,24 @@ TEST(UserChanges, impulseOnOnePoint) {
   Sim sim(0.0);
   sim.body->point(5)->applyCentralImpulse(btVector3(0, btScalar(0.5), 0));
   EXPECT_NEAR(sim.body->velocity(5).y(), 0.5 / 0.125, 1e-6) << "seen at once";
-  sim.bullet.simulate(0.5);
+  sim.simulate(0.5);
   EXPECT_NEAR(sim.body->linearMomentum().y(), 0.5, 1e-6);
 }
 
 TEST(UserChanges, velocityIsSet) {
   Sim sim(0.0);
-  sim.bullet.tick();
+  sim.tick();
   for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->setLinearVelocity(btVector3(2, 0, 0));
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   EXPECT_NEAR(sim.body->linearMomentum().x(), 2.0, 1e-6);
   EXPECT_NEAR(sim.body->centerOfMass().x(), 2.0, 1e-5);
 }
 
 TEST(UserChanges, teleportMovesTheBodyWithoutAKick) {
   Sim sim(0.0);
-  sim.bullet.simulate(0.1);
+  sim.simulate(0.1);
   for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->translate(btVector3(100, -3, 7));
-  sim.bullet.simulate(0.5);
+  sim.simulate(0.5);
   EXPECT_LT((sim.body->centerOfMass() - Eigen::Vector3d(100, -3, 7)).norm(), 1e-5);
   EXPECT_LT(sim.body->linearMomentum().norm(), 1e-4) << "floats at 100 m are 8e-6 m apart: springs feel that";
 }
@@ -91,16 +87,16 @@ TEST(UserChanges, onePointIsPulledAwayAndComesBack) {
   Sim sim(0.0);
   sim.body->point(7)->translate(vec(0.2, 0.1, 0));
   EXPECT_GT(sim.body->elasticEnergy(), 1.0);
-  sim.bullet.simulate(20.0);
+  sim.simulate(20.0);
   EXPECT_LT(sim.body->elasticEnergy(), 1e-6);
 }
 
 TEST(UserChanges, gravityIsChangedWhileRunning) {
   Sim sim;
-  sim.bullet.simulate(0.5);
+  sim.simulate(0.5);
   const Eigen::Vector3d v = sim.body->linearMomentum();
-  sim.bullet.world->setGravity(btVector3(3, 0, 0));
-  sim.bullet.simulate(1.0);
+  sim.world->setGravity(btVector3(3, 0, 0));
+  sim.simulate(1.0);
   EXPECT_NEAR(sim.body->linearMomentum().x() - v.x(), 3.0, 1e-5);
   EXPECT_NEAR(sim.body->linearMomentum().y(), v.y(), 1e-5);
 }
@@ -111,7 +107,7 @@ TEST(UserChanges, gravityOfOnePointIsItsOwn) {
     sim.body->point(i)->setFlags(sim.body->point(i)->getFlags() | BT_DISABLE_WORLD_GRAVITY);
     sim.body->point(i)->setGravity(btVector3(0, 0, 0));
   }
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   EXPECT_LT(sim.body->centerOfMass().norm(), 1e-6);
 }
 
@@ -120,14 +116,14 @@ TEST(UserChanges, linearFactorKeepsAPointInItsPlane) {
   for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->setLinearFactor(btVector3(1, 1, 0));
   sim.body->point(0)->applyCentralImpulse(vec(0.3, 0, 0));
   const double z = sim.body->position(0).z();
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   for (std::uint32_t i = 0; i < 8; ++i) EXPECT_NEAR(std::abs(sim.body->position(i).z()), std::abs(z), 1e-12);
 }
 
 TEST(UserChanges, massOfAPointIsChanged) {
   Sim sim(0.0);
   sim.body->point(0)->setMassProps(btScalar(1.0), btVector3(0, 0, 0));
-  sim.bullet.tick();
+  sim.tick();
   EXPECT_NEAR(sim.body->totalMass(), 7 * 0.125 + 1.0, 1e-6);
 }
 
@@ -137,7 +133,7 @@ TEST(UserChanges, bulletsLinearDampingActs) {
     sim.body->point(i)->setDamping(btScalar(0.5), 0);
     sim.body->point(i)->setLinearVelocity(btVector3(1, 0, 0));
   }
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   EXPECT_NEAR(sim.body->linearMomentum().x(), 0.5, 1e-3) << "v(t) = v (1 - d)^t";
 }
 
@@ -150,7 +146,7 @@ TEST(UserChanges, userPointersAndIndicesAreTheUsers) {
   int mine = 0;
   sim.body->point(3)->setUserPointer(&mine);
   sim.body->point(3)->setUserIndex(42);
-  sim.bullet.simulate(0.1);
+  sim.simulate(0.1);
   EXPECT_EQ(sim.body->point(3)->getUserPointer(), &mine);
   EXPECT_EQ(sim.body->point(3)->getUserIndex(), 42);
 }
@@ -160,24 +156,24 @@ TEST(UserChanges, aRayFindsThePointAndThePointItsBody) {
   SoftBodySettings s = testedSettings();
   s.pointRadius = 0.05;
   Sim sim(0.0, s);
-  sim.bullet.tick();
+  sim.tick();
   const btVector3 target = sim.body->point(6)->getWorldTransform().getOrigin();
   btCollisionWorld::ClosestRayResultCallback ray(target + btVector3(0, 5, 0), target);
-  sim.bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
+  sim.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
   ASSERT_TRUE(ray.hasHit());
   const PointReference found = findPoint(ray.m_collisionObject);
   EXPECT_EQ(found.body, sim.body);
   EXPECT_EQ(found.index, 6u);
   EXPECT_EQ(findPoint(nullptr).body, nullptr);
-  btRigidBody* box = sim.bullet.addBox(btVector3(1, 1, 1), 1, btVector3(9, 9, 9));
+  btRigidBody* box = sim.addBox(btVector3(1, 1, 1), 1, btVector3(9, 9, 9));
   EXPECT_EQ(findPoint(box).body, nullptr);
 }
 
 TEST(UserChanges, pointsDoNotSpin) {
   Sim sim;
-  sim.bullet.addBoxFloor();
+  sim.addBoxFloor();
   sim.body->point(0)->applyTorqueImpulse(btVector3(5, 5, 5));
-  sim.bullet.simulate(2.0);
+  sim.simulate(2.0);
   for (std::uint32_t i = 0; i < 8; ++i) {
     EXPECT_EQ(sim.body->point(i)->getAngularVelocity(), btVector3(0, 0, 0));
     EXPECT_EQ(sim.body->point(i)->getWorldTransform().getBasis(), btMatrix3x3::getIdentity());
@@ -192,14 +188,14 @@ TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
   s.pointRadius = 0.4;
   Sim sim(0.0, s);
   btRigidBody* point = sim.body->point(0);
-  btRigidBody* anchor = sim.bullet.addBox(btVector3(1, 1, 1), 0, btVector3(5, 0, 0));
+  btRigidBody* anchor = sim.addBox(btVector3(1, 1, 1), 0, btVector3(5, 0, 0));
   btPoint2PointConstraint pick(*point, *anchor, btVector3(0, 0, 0), btVector3(-6, 0, 0));
-  sim.bullet.world->addConstraint(&pick, true);
+  sim.world->addConstraint(&pick, true);
   point->setActivationState(DISABLE_DEACTIVATION);
-  sim.bullet.simulate(1.0);
-  sim.bullet.world->removeConstraint(&pick);
+  sim.simulate(1.0);
+  sim.world->removeConstraint(&pick);
   point->forceActivationState(ACTIVE_TAG);
-  sim.bullet.simulate(15.0);
+  sim.simulate(15.0);
   EXPECT_LT(sim.body->elasticEnergy(), 1e-6) << "overlapping points of one body would push each other apart";
 }
 
