@@ -8,6 +8,8 @@
 namespace limber::test {
 namespace {
 
+using Eigen::Vector3d;
+
 /// The size of a cube with its radii, 0.51 m, less what its weight takes and what is left of the overlap: up
 /// to 3 cm of cubes exactly on top of each other, whose corners are neither inside nor outside.
 constexpr double kLeast = 0.465;
