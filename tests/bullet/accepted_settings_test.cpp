@@ -3,15 +3,7 @@
 // second, and no tick takes more substeps than a tick has at most.
 #include "fuzz/dice.h"
 #include "solver/stepping_choice.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,11 +13,10 @@
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using fuzz::Dice;
-using test::BulletWorld;
 
 /// One of the bounds, or log-uniform between them. A range from 0 has its decades from `least`.
 double anyIn(Dice& dice, double low, double high, double least) {
@@ -75,7 +66,7 @@ void rollElasticLimit(Dice& dice, ElasticLimit& limit) {
 }
 
 SoftBodySettings rolledSettings(Dice& dice) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   rollPlacement(dice, s);
   roll(dice, s.extensionStiffness, 0, 1e12, 1e-6);
   s.compressionStiffness = s.extensionStiffness;
@@ -98,25 +89,21 @@ SoftBodySettings rolledSettings(Dice& dice) {
 }
 
 SharedNetwork rolledNetwork(Dice& dice) {
-  ClothSettings cloth;
-  cloth.columns = cloth.rows = 3;
-  RopeSettings rope;
-  rope.segments = 9;
   switch (dice.below(8)) {
     case 0:
-      return *buildCloth(cloth);
+      return squareCloth(3);
     case 1:
-      return *buildRope(rope);
+      return ropeNetwork(9);
     case 2:
-      return test::cubeNetwork();
+      return cubeNetwork();
     case 3:
-      return test::fullCubeNetwork();
+      return fullCubeNetwork();
     case 4:
-      return test::tetrahedronNetwork();
+      return tetrahedronNetwork();
     case 5:
-      return test::tetrahedralCubeNetwork();
+      return tetrahedralCubeNetwork();
     default:
-      return test::closedCubeNetwork();
+      return closedCubeNetwork();
   }
 }
 
@@ -147,15 +134,14 @@ void placeAboveFloor(Dice& dice, const SpringNetwork& network, SoftBodySettings&
 /// unless the network has limits for the settings.
 void play(std::uint64_t seed, int allowance, unsigned& played) {
   Dice dice(seed);
-  BulletWorld bullet;
+  SoftWorld bullet;
   addFloor(dice, bullet);
-  SoftBodySystem system(*bullet.world);
   std::string warning;
-  system.onWarning([&](const std::string& text) { warning = text; });
+  bullet.system.onWarning([&](const std::string& text) { warning = text; });
   const SharedNetwork network = rolledNetwork(dice);
   SoftBodySettings s = rolledSettings(dice);
   placeAboveFloor(dice, *network, s);
-  const Result<SoftBody*> made = system.createBody(network, s);
+  const Result<SoftBody*> made = bullet.system.createBody(network, s);
   if (!made) return;
   ++played;
   const bool gas = s.pressure > 0.0;
@@ -195,17 +181,16 @@ TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
   for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::Newton})
     for (const double damping : {0.0, 1.0, 1e6, 1e12})
       for (const double friction : {0.5, 1e6}) {
-        BulletWorld bullet;
+        SoftWorld bullet;
         bullet.addPlaneFloor();
-        SoftBodySystem system(*bullet.world);
-        SoftBodySettings s = test::testedSettings();
+        SoftBodySettings s = testedSettings();
         s.scale.setConstant(1e-5);
         s.position.y() = 6e-6;
         s.linearVelocity = {2.7e4, -2.7e4, 0};
         s.damping = damping;
         s.friction = friction;
         s.stepping.stepper = stepper;
-        SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+        SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
         for (int i = 0; i < 10; ++i) {
           const bool touched = !body->contacts().empty();
           bullet.tick();
@@ -218,4 +203,4 @@ TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

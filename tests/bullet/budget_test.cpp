@@ -1,33 +1,20 @@
 // SPDX-License-Identifier: Zlib
 // Bodies whose budget (maxSubsteps) is far below what Verlet needs are softened: the number of substeps, what
 // is softened and by how much, and contacts, pins, anchors, links and rigid partners.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 #include <memory>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kGravity;
 
 constexpr int kBudget = 20;
 
 SoftBodySettings stiff(double stiffness, double mass) {
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.0;
+  SoftBodySettings s = testedSettings();
+  setSprings(s, stiffness, 0.0);
   s.totalMass = mass;
   s.stepping.maxSubsteps = kBudget;
   return s;
@@ -45,21 +32,14 @@ double strainOf(const SoftBody& body) {
   return std::sqrt(sum / static_cast<double>(network.springs.size()));
 }
 
-SharedNetwork cloth(std::uint32_t cells) {
-  ClothSettings settings;
-  settings.columns = settings.rows = cells;
-  return *buildCloth(settings);
-}
-
 TEST(BudgetInContact, holdsAtAnyStiffness) {
   for (const double stiffness : {1e3, 1e5, 1e7}) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     bullet.addBox({btScalar(0.2), btScalar(0.2), btScalar(0.2)}, 2.0, {0, 2, 0});
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = stiff(stiffness, 1.0);
     s.position.y() = 0.6;
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     for (int tick = 0; tick < 120; ++tick) {
       bullet.tick();
       ASSERT_LE(body->substeps(), kBudget) << stiffness;
@@ -69,33 +49,31 @@ TEST(BudgetInContact, holdsAtAnyStiffness) {
 }
 
 TEST(BudgetInContact, aBoxRestsOnAStiffCube) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.addPlaneFloor();
   btRigidBody* box = bullet.addBox({btScalar(0.3), btScalar(0.3), btScalar(0.3)}, 5.0, {0, btScalar(1.5), 0});
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = stiff(1e6, 1.0);
   s.collision = Collision::Surface;
   s.position.y() = 0.53;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
   bullet.simulate(5.0);
   const double radius = pointRadius(body->network(), body->settings());
   // the cube's edge, twice its radius, and half of the box
-  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), 1.0 + 2.0 * radius + 0.3, 0.02);
+  EXPECT_NEAR(heightOf(*box), 1.0 + 2.0 * radius + 0.3, 0.02);
   EXPECT_LT(double(box->getLinearVelocity().length()), 0.01);
   EXPECT_LE(body->substeps(), kBudget);
 }
 
 TEST(BudgetInContact, aStackOfTenStands) {
-  if (test::testedSettings().collision == Collision::Points) GTEST_SKIP() << "corners alone do not stack";
-  BulletWorld bullet(-kGravity);
+  if (testedSettings().collision == Collision::Points) GTEST_SKIP() << "corners alone do not stack";
+  SoftWorld bullet(-kGravity);
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = stiff(1e6, 1.0);
   s.damping = 20.0;
   std::vector<SoftBody*> cubes;
   for (int i = 0; i < 10; ++i) {
     s.position.y() = 0.55 + 1.05 * i;
-    cubes.push_back(*system.createBody(test::closedCubeNetwork(), s));
+    cubes.push_back(bullet.addSoft(closedCubeNetwork(), s));
   }
   bullet.simulate(5.0);
   for (std::size_t i = 0; i < cubes.size(); ++i) {
@@ -113,15 +91,14 @@ struct Drape {
 };
 
 Drape drape(double stiffness, int maxSubsteps, double seconds) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.add(std::make_unique<btSphereShape>(btScalar(0.3)), 0.0, {0, 0, 0});
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = stiff(stiffness, 0.2);
   s.damping = 0.01;
   s.position.y() = 0.4;
   s.pointRadius = 0.005;
   s.stepping.maxSubsteps = maxSubsteps;
-  SoftBody* body = *system.createBody(cloth(14), s);
+  SoftBody* body = bullet.addSoft(squareCloth(14), s);
   Drape result;
   for (int tick = 0; tick < static_cast<int>(60 * seconds); ++tick) {
     bullet.tick();
@@ -166,17 +143,17 @@ struct Played {
 TEST(Softening, isOnlyWhatTheBudgetDoesNotResolve) {
   SoftBodySettings s = stiff(1e3, 1.0);
   s.stepping.maxSubsteps = 1000;
-  EXPECT_EQ(Played(test::closedCubeNetwork(), s).body->softening(), 1.0);
+  EXPECT_EQ(Played(closedCubeNetwork(), s).body->softening(), 1.0);
   s = stiff(1e6, 1.0);
   s.stepping.maxSubsteps = 0;
-  EXPECT_EQ(Played(test::closedCubeNetwork(), s).body->softening(), 1.0);
+  EXPECT_EQ(Played(closedCubeNetwork(), s).body->softening(), 1.0);
 }
 
 TEST(Softening, isInverseToTheStiffnessAndGrowsWithTheSquareOfTheBudget) {
   const auto share = [](double stiffness, int budget) {
     SoftBodySettings s = stiff(stiffness, 1.0);
     s.stepping.maxSubsteps = budget;
-    return Played(test::closedCubeNetwork(), s).body->softening();
+    return Played(closedCubeNetwork(), s).body->softening();
   };
   const double once = share(1e6, 10);
   EXPECT_LT(once, 0.1);
@@ -202,9 +179,8 @@ TEST(Softening, sparesTheSpringsThatAreSlowEnough) {
   std::vector<double> ends;
   for (const int budget : {kBudget, 0}) {
     s.stepping.maxSubsteps = budget;
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(std::make_shared<SpringNetwork>(network), s);
+    SoftWorld bullet(0.0);
+    SoftBody* body = bullet.addSoft(std::make_shared<SpringNetwork>(network), s);
     body->point(3)->setLinearVelocity(btVector3(btScalar(0.1), 0, 0));
     for (int tick = 0; tick < 60; ++tick) bullet.tick();
     EXPECT_EQ(body->softening() < 0.1, budget > 0);
@@ -220,12 +196,12 @@ TEST(Softening, withoutABudgetIsThatOfTenThousandSubsteps) {
   s.pointRadius = 0.01;
   s.stepping.maxSubsteps = 0;
   s.stepping.stepper = Stepper::Verlet;
-  Played played(test::pairNetwork(), s);
+  Played played(pairNetwork(), s);
   const double softened = played.body->softening() * kStiffness;
   EXPECT_LT(softened, 1e4);
   // the ends fly apart: with half the mass each, the spring stretches by  v / omega,  omega^2 = 4 k / m
   for (const std::uint32_t end : {0u, 1u})
-    played.body->point(end)->setLinearVelocity(test::vec(end == 0 ? -0.5 * kSpeed : 0.5 * kSpeed, 0, 0));
+    played.body->point(end)->setLinearVelocity(vec(end == 0 ? -0.5 * kSpeed : 0.5 * kSpeed, 0, 0));
   double largest = 0.0;
   for (int tick = 0; tick < 60; ++tick) {
     played.bullet.tick(1.0 / (61.0 + tick));  // a quarter of the oscillation is one substep of 1/60 s / 10000
@@ -240,9 +216,8 @@ TEST(Softening, withoutABudgetIsThatOfTenThousandSubsteps) {
 }
 
 TEST(Softening, isThatOfTheLongestTick) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), stiff(1e6, 1.0));
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), stiff(1e6, 1.0));
   const auto shareAfter = [&](double tick) {
     bullet.tick(tick);
     return body->softening();
@@ -257,15 +232,15 @@ TEST(Softening, keepsMomentaInFreeFlight) {
   SoftBodySettings s = stiff(1e7, 1.0);
   s.linearVelocity = {1, 2, 3};
   s.angularVelocity = {3, -2, 5};
-  Played played(test::closedCubeNetwork(), s);
+  Played played(closedCubeNetwork(), s);
   const Eigen::Vector3d momentum = played.body->linearMomentum(), spin = played.body->angularMomentum();
-  const double energy = test::energyOf(*played.body);
+  const double energy = energyOf(*played.body);
   for (int tick = 0; tick < 300; ++tick) played.bullet.tick();
   EXPECT_LE(played.body->substeps(), kBudget);
   // Bullet's velocities are in single precision
   EXPECT_LT((played.body->linearMomentum() - momentum).norm(), 1e-5 * momentum.norm());
   EXPECT_LT((played.body->angularMomentum() - spin).norm(), 1e-4 * spin.norm());
-  EXPECT_LT(test::energyOf(*played.body), 1.01 * energy);
+  EXPECT_LT(energyOf(*played.body), 1.01 * energy);
 }
 
 TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
@@ -277,14 +252,13 @@ TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
     elongation += below * kMass / (kLinks + 1) * kGravity / kStiffness;
   double last = 1.0;
   for (const int budget : {3, 5, 10, 20, 40, 80, 0}) {
-    BulletWorld bullet(-kGravity);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(-kGravity);
     SoftBodySettings s = stiff(kStiffness, kMass);
     s.damping = 20.0;
     s.pointRadius = 0.02;
     s.stepping.maxSubsteps = budget;
     s.stepping.stepper = Stepper::Verlet;
-    SoftBody* body = *system.createBody(test::chainNetwork(kLinks), s);
+    SoftBody* body = bullet.addSoft(chainNetwork(kLinks), s);
     ASSERT_TRUE(body->pin(0));
     bullet.simulate(5.0);
     const double measured = (body->position(kLinks) - body->position(0)).norm() - 1.0;
@@ -298,27 +272,20 @@ TEST(Softening, ofAChainAtRestIsThatOfItsStiffness) {
 TEST(Softening, ofTheVolumeIsTheSame) {
   SoftBodySettings s = stiff(1e3, 1.0);
   s.volumeModulus = 1e9;
-  Played played(test::closedCubeNetwork(), s);
+  Played played(closedCubeNetwork(), s);
   EXPECT_LT(played.body->softening(), 0.01);
   EXPECT_LE(played.body->substeps(), kBudget);
 }
 
 TEST(Softening, leavesAPendulumItsPeriod) {
   // a rod of two points, let go horizontally; the spring is as long at any stiffness to m g / k
-  SpringNetwork rod;
-  rod.restPoints = {{0, 0, 0}, {1, 0, 0}};
-  rod.massFractions = {0.5, 0.5};
-  NetworkSpring spring;
-  spring.a = 0, spring.b = 1;
-  rod.springs = {spring};
   std::vector<double> lowest;
   for (const int budget : {8, 0}) {
-    BulletWorld bullet(-kGravity);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(-kGravity);
     SoftBodySettings s = stiff(1e6, 1.0);
     s.pointRadius = 0.02;
     s.stepping.maxSubsteps = budget;
-    SoftBody* body = *system.createBody(std::make_shared<SpringNetwork>(rod), s);
+    SoftBody* body = bullet.addSoft(pairNetwork(), s);
     ASSERT_TRUE(body->pin(0));
     int tick = 0;
     while (tick < 120 && body->position(1).x() > 0.0) bullet.tick(), ++tick;
@@ -333,18 +300,17 @@ TEST(Softening, leavesAPendulumItsPeriod) {
 /// once it is stiff again: it would gain 1e4 J, and in every other tick 1e11 J.
 TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
   for (const int period : {1, 3}) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = stiff(6e4, 1.0);
     s.damping = 1.0;
     s.stepping.maxSubsteps = 0;
     s.position.y() = 1.2;
-    SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(cubeNetwork(), s);
     s = stiff(1e3, 0.2);
     s.stepping.maxSubsteps = 3;
     s.position = {0.5, 1.7, 0.5};
-    SoftBody* rope = *system.createBody(*buildRope(), s);
+    SoftBody* rope = bullet.addSoft(*buildRope(), s);
     ASSERT_TRUE(rope->pin(16));
     SpringSettings link;
     link.stiffness = 2000.0;
@@ -352,35 +318,34 @@ TEST(BudgetWithLinks, whatIsLinkedInTurnGainsNoEnergy) {
     double least = 1.0;
     const auto energy = [&] {
       double sum = 0.0;
-      for (const SoftBody* body : {cube, rope}) sum += test::energyOf(*body, kGravity);
+      for (const SoftBody* body : {cube, rope}) sum += energyOf(*body, kGravity);
       return sum;
     };
     const double start = energy();
     for (int i = 0; i < 120; ++i) {
       if (spring && i % period == 0) {
-        ASSERT_TRUE(system.removeSpring(spring));
+        ASSERT_TRUE(bullet.system.removeSpring(spring));
         spring = nullptr;
       } else if (i % period == 0) {
-        spring = *system.addSpring({cube->point(7)}, {rope->point(0)}, link);
+        spring = *bullet.system.addSpring({cube->point(7)}, {rope->point(0)}, link);
       }
       bullet.tick();
       least = std::min(least, cube->softening());
       ASSERT_LT(energy(), start + 0.1) << period << ' ' << i;
     }
     EXPECT_LT(least, 0.01) << "it was linked";
-    ASSERT_TRUE(!spring || system.removeSpring(spring));
+    ASSERT_TRUE(!spring || bullet.system.removeSpring(spring));
     bullet.simulate(3.0);
     EXPECT_EQ(cube->softening(), 1.0) << "it becomes stiff again";
   }
 }
 
 TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
-  BulletWorld bullet(-kGravity);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-kGravity);
   SoftBodySettings s = stiff(1e5, 1.0);
   s.damping = 5.0;
   s.position.y() = -1.0;
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
   SpringSettings link;
   link.stiffness = 1e5;
   link.damping = 20.0;
@@ -388,7 +353,7 @@ TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
   std::uint32_t top = 0;
   for (std::uint32_t i = 0; i < body->pointCount(); ++i)
     if (body->position(i).sum() > body->position(top).sum()) top = i;
-  ASSERT_TRUE(system.addSpring({body->point(top)}, {nullptr, btVector3(0, 0, 0)}, link));
+  ASSERT_TRUE(bullet.system.addSpring({body->point(top)}, {nullptr, btVector3(0, 0, 0)}, link));
   bullet.simulate(10.0);
   EXPECT_EQ(body->substeps(), kBudget);
   // The link has half of (1.8 / dt)^2 = 2 k / m at most, as has its point of 1/8 kg with the body's springs:
@@ -398,14 +363,13 @@ TEST(BudgetWithLinks, aLinkedBodyHangsAtTheLengthOfItsSpring) {
 }
 
 TEST(BudgetWithLinks, anAttachedBodyFollowsItsRigidBody) {
-  BulletWorld bullet(-kGravity);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-kGravity);
   btRigidBody* box = bullet.addBox({btScalar(0.2), btScalar(0.2), btScalar(0.2)}, 5.0, {0, btScalar(0.9), 0});
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), stiff(1e6, 1.0));
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), stiff(1e6, 1.0));
   std::uint32_t top = 0;
   for (std::uint32_t i = 0; i < body->pointCount(); ++i)
     if (body->position(i).y() > body->position(top).y()) top = i;
-  ASSERT_TRUE(system.attach(body, top, *box));
+  ASSERT_TRUE(bullet.system.attach(body, top, *box));
   const btVector3 pivot =
       box->getWorldTransform().inverse() * body->point(top)->getWorldTransform().getOrigin();
   bullet.simulate(1.0);
@@ -418,4 +382,4 @@ TEST(BudgetWithLinks, anAttachedBodyFollowsItsRigidBody) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

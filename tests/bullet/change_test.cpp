@@ -1,35 +1,24 @@
 // SPDX-License-Identifier: Zlib
 // Settings, place and motion of a body change while it lives. What does not change keeps its energy.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kTick;
-using test::vec;
 
 /// Relative tolerance of what Bullet's floats hold: positions, velocities and masses have 24 bits.
 constexpr double kFloat = 1e-5;
 
-struct World {
-  explicit World(double gravity = 0.0, SoftBodySettings s = test::testedSettings(),
-                 const SharedNetwork& network = test::closedCubeNetwork())
-      : bullet(gravity), system(*bullet.world) {
+struct World : SoftWorld {
+  explicit World(double gravity = 0.0, SoftBodySettings s = testedSettings(),
+                 const SharedNetwork& network = closedCubeNetwork())
+      : SoftWorld(gravity) {
     s.damping = 0.0;
-    body = *system.createBody(network, s);
+    body = addSoft(network, s);
   }
   void change(const std::function<void(SoftBodySettings&)>& edit) {
     SoftBodySettings s = body->settings();
@@ -39,8 +28,6 @@ struct World {
   }
   double energy() const { return body->kineticEnergy() + body->elasticEnergy(); }
 
-  BulletWorld bullet;
-  SoftBodySystem system;
   SoftBody* body;
 };
 
@@ -48,7 +35,7 @@ struct World {
 World& stirred(World& world) {
   EXPECT_TRUE(world.body->setVelocity(vec(1, 2, 3), vec(1, -2, 0.5)));
   EXPECT_TRUE(world.body->applyImpulse(vec(0.3, 0.1, 0), 0u));
-  world.bullet.simulate(0.3);
+  world.simulate(0.3);
   return world;
 }
 
@@ -64,7 +51,7 @@ TEST(Change, theSameSettingsChangeNothing) {
 }
 
 TEST(Change, aStiffnessActsAtThePresentStrains) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.volumeModulus = 0.0;
   World world(0.0, s);
   stirred(world);
@@ -74,7 +61,7 @@ TEST(Change, aStiffnessActsAtThePresentStrains) {
   EXPECT_NEAR(world.body->elasticEnergy(), 3.0 * elastic, 1e-12);
   EXPECT_NEAR(world.body->kineticEnergy(), kinetic, 1e-12);
   const double energy = world.energy();
-  world.bullet.simulate(2.0);
+  world.simulate(2.0);
   // Verlet at the default tolerance keeps the energy to a thousandth
   EXPECT_NEAR(world.energy(), energy, 3e-3 * energy);
   EXPECT_LT((world.body->linearMomentum() - momentum).norm(), kFloat);
@@ -94,20 +81,18 @@ TEST(Change, aChangedBodyMovesLikeOneMadeSo) {
     s.pointRadius = 0.03;
     s.stepping.minSubsteps = 17;
   };
-  SoftBodySettings made = test::testedSettings();
+  SoftBodySettings made = settingsAt({0, 0.8, 0});
   made.damping = 0.0;
-  made.position = {0, 0.8, 0};
   World changed(-9.81, made);
-  changed.bullet.addBoxFloor();
+  changed.addBoxFloor();
   changed.change(edit);
   edit(made);
-  BulletWorld bullet(-9.81);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), made);
+  SoftWorld bullet(-9.81);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), made);
   bullet.addBoxFloor();
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
-    changed.bullet.tick();
+    changed.tick();
     ASSERT_EQ(changed.body->stateHash(), body->stateHash()) << "tick " << i;
   }
 }
@@ -127,12 +112,11 @@ TEST(Change, massKeepsVelocitiesAndScalesMomentum) {
 }
 
 TEST(Change, scaleKeepsCentreAndStrains) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({5, 6, 7});
   s.volumeModulus = 0.0;
-  s.position = {5, 6, 7};
   World world(0.0, s);
   world.body->setVelocity(vec(0, 0, 0), vec(0, 3, 0));
-  world.bullet.simulate(0.4);
+  world.simulate(0.4);
   const Eigen::Vector3d center = world.body->centerOfMass();
   const double energy = world.body->elasticEnergy();
   world.change([](SoftBodySettings& t) { t.scale = Eigen::Vector3d::Constant(2.0); });
@@ -159,37 +143,32 @@ TEST(Change, aRotatedBodyIsScaledAlongItsOwnAxes) {
 
 TEST(Change, friction) {
   World world(-9.81);
-  btRigidBody* floor = world.bullet.addBoxFloor();
+  btRigidBody* floor = world.addBoxFloor();
   floor->setFriction(1.0);
   world.body->setTransform(btTransform(btQuaternion::getIdentity(), vec(0, 0.53, 0)));
   world.change([](SoftBodySettings& s) { s.friction = 0.0, s.damping = 5.0; });
-  world.bullet.simulate(1.0);
+  world.simulate(1.0);
   world.body->setVelocity(vec(2, 0, 0));
-  world.bullet.simulate(1.0);
+  world.simulate(1.0);
   EXPECT_NEAR(world.body->linearMomentum().x(), 2.0, 0.02) << "slides without friction";
   world.change([](SoftBodySettings& s) { s.friction = 0.8; });
-  world.bullet.simulate(1.0);
+  world.simulate(1.0);
   EXPECT_NEAR(world.body->linearMomentum().x(), 0.0, 0.02) << "stops with it";
 }
 
 TEST(Change, radiusAndSleep) {
   World world(-9.81);
-  world.bullet.addBoxFloor()->setRestitution(btScalar(1));
+  world.addBoxFloor()->setRestitution(btScalar(1));
   world.change([](SoftBodySettings& s) { s.damping = 5.0, s.pointRadius = 0.02, s.sleepingSpeed = 0.0; });
   ASSERT_TRUE(world.body->reset(btTransform(btQuaternion::getIdentity(), vec(0, 0.55, 0))));
-  world.bullet.simulate(4.0);
-  const auto lowest = [&] {
-    double y = 1e9;
-    for (std::uint32_t i = 0; i < world.body->pointCount(); ++i) y = std::min(y, world.body->position(i).y());
-    return y;
-  };
-  EXPECT_NEAR(lowest(), 0.02, 1e-3) << "rests a radius above the floor";
+  world.simulate(4.0);
+  EXPECT_NEAR(lowest(*world.body), 0.02, 1e-3) << "rests a radius above the floor";
   EXPECT_FALSE(world.body->sleeping()) << "0: never";
   world.change([](SoftBodySettings& s) { s.pointRadius = 0.05; });
-  world.bullet.simulate(4.0);
-  EXPECT_NEAR(lowest(), 0.05, 1e-3);
+  world.simulate(4.0);
+  EXPECT_NEAR(lowest(*world.body), 0.05, 1e-3);
   world.change([](SoftBodySettings& s) { s.sleepingSpeed = 0.1; });
-  world.bullet.simulate(4.0);
+  world.simulate(4.0);
   EXPECT_TRUE(world.body->sleeping());
   world.change([](SoftBodySettings& s) { s.friction = 0.1; });
   EXPECT_FALSE(world.body->sleeping()) << "a change wakes";
@@ -197,54 +176,54 @@ TEST(Change, radiusAndSleep) {
 
 TEST(Change, filters) {
   World world(-9.81);
-  world.bullet.addBoxFloor();
+  world.addBoxFloor();
   world.body->setTransform(btTransform(btQuaternion::getIdentity(), vec(0, 0.6, 0)));
-  world.bullet.simulate(0.5);
+  world.simulate(0.5);
   EXPECT_GT(world.body->centerOfMass().y(), 0.3);
   world.change([](SoftBodySettings& s) { s.collisionMask = 0; });
-  world.bullet.simulate(0.5);
+  world.simulate(0.5);
   EXPECT_LT(world.body->centerOfMass().y(), -0.5) << "falls through what it no longer collides with";
 }
 
 TEST(Change, gravityFactor) {
   for (const double factor : {0.0, -0.5, 0.25}) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.gravityFactor = factor;
     World made(-10.0, s), changed(-10.0);
     changed.change([&](SoftBodySettings& t) { t.gravityFactor = factor; });
-    for (int i = 0; i < 60; ++i) made.bullet.tick(), changed.bullet.tick();
+    for (int i = 0; i < 60; ++i) made.tick(), changed.tick();
     for (World* world : {&made, &changed})
       EXPECT_NEAR(world->body->linearMomentum().y(), -10.0 * factor, 1e-3) << factor;
     changed.change([](SoftBodySettings& t) { t.gravityFactor = 1.0; });
     const double before = changed.body->linearMomentum().y();
-    for (int i = 0; i < 60; ++i) changed.bullet.tick();
+    for (int i = 0; i < 60; ++i) changed.tick();
     EXPECT_NEAR(changed.body->linearMomentum().y(), before - 10.0, 1e-3) << factor;
   }
 }
 
 TEST(Change, whatYieldedStaysYielded) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.yieldStrain = 0.02;
-  World world(0.0, s, test::pairNetwork());
+  World world(0.0, s, pairNetwork());
   world.body->pin(0);
   world.body->pin(1);
   world.body->movePin(1, vec(1.2, 0, 0));
-  world.bullet.simulate(0.1);
+  world.simulate(0.1);
   world.body->unpin(1);
   const double energy = world.body->elasticEnergy();
   world.change([](SoftBodySettings& t) { t.extensionStiffness = t.compressionStiffness = 500.0; });
   EXPECT_NEAR(world.body->elasticEnergy(), 0.5 * energy, 1e-6 * energy);
   world.change([](SoftBodySettings& t) { t.damping = 5.0; });
-  world.bullet.simulate(5.0);
+  world.simulate(5.0);
   // a spring that was stretched by 20 % and yields beyond 2 % is 18 % longer at rest
   EXPECT_NEAR((world.body->position(1) - world.body->position(0)).norm(), 1.18, 1e-3);
   ASSERT_TRUE(world.body->reset());
-  world.bullet.simulate(5.0);
+  world.simulate(5.0);
   EXPECT_NEAR((world.body->position(1) - world.body->position(0)).norm(), 1.0, 1e-3);
 }
 
 TEST(PresentNetwork, aDentIsTheRestShapeOfAnotherBody) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.yieldStrain = 0.02;
   s.damping = 5.0;
   s.scale = {1.0, 2.0, 0.5};
@@ -252,9 +231,9 @@ TEST(PresentNetwork, aDentIsTheRestShapeOfAnotherBody) {
   World world(0.0, s);
   for (std::uint32_t i = 0; i < world.body->pointCount(); ++i) world.body->pin(i);
   world.body->movePin(0, world.body->point(0)->getWorldTransform().getOrigin() + vec(0.2, 0.2, 0.2));
-  world.bullet.simulate(0.5);
+  world.simulate(0.5);
   for (std::uint32_t i = 0; i < world.body->pointCount(); ++i) world.body->unpin(i);
-  world.bullet.simulate(5.0);
+  world.simulate(5.0);
   const auto dented = world.body->presentNetwork();
   ASSERT_TRUE(dented) << dented.error();
   const double change = ((*dented)->restPoints[0] - (*dented)->restPoints[1]).norm() -
@@ -269,13 +248,13 @@ TEST(PresentNetwork, aDentIsTheRestShapeOfAnotherBody) {
 }
 
 TEST(PresentNetwork, brokenSpringsAreMissing) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.breakStrain = 0.1;
-  World world(0.0, s, *withGroup(*test::closedCubeNetwork(), "all", {0, 1, 2, 3, 4, 5, 6, 7}));
+  World world(0.0, s, *withGroup(*closedCubeNetwork(), "all", {0, 1, 2, 3, 4, 5, 6, 7}));
   world.body->pin(0);
   world.body->pin(1);
   world.body->movePin(1, world.body->point(1)->getWorldTransform().getOrigin() + vec(0.5, 0.5, 0.5));
-  world.bullet.simulate(0.2);
+  world.simulate(0.2);
   const auto present = world.body->presentNetwork();
   ASSERT_TRUE(present) << present.error();
   const std::size_t left = (*present)->springs.size();
@@ -314,7 +293,7 @@ TEST(Change, bodiesThatAreNotAliveRefuseAllChanges) {
   SoftBody* body = world.body;
   ASSERT_TRUE(body->pin(0));
   btRigidBody* object = body->surfaceObject() ? body->surfaceObject() : body->point(3);
-  world.bullet.world->removeRigidBody(object);
+  world.world->removeRigidBody(object);
   ASSERT_FALSE(body->alive());
   SoftBodySettings heavier = body->settings();
   heavier.totalMass = 5.0;
@@ -327,7 +306,7 @@ TEST(Change, bodiesThatAreNotAliveRefuseAllChanges) {
         body->applyBlast(up, 1, 1), body->pin(1), body->movePin(0, up), body->teleportPin(0, up),
         body->unpin(0), body->restoreState(body->saveState())})
     EXPECT_EQ(result.error(), "the soft body is disabled, see alive()");
-  btRigidBody* box = world.bullet.addBox(vec(1, 1, 1), 1.0, vec(5, 0, 0));
+  btRigidBody* box = world.addBox(vec(1, 1, 1), 1.0, vec(5, 0, 0));
   EXPECT_EQ(world.system.attach(body, 1, *box).error(), "the soft body is disabled, see alive()");
   EXPECT_EQ(grab(world.system, body, 1).error(), "the soft body is disabled, see alive()");
   EXPECT_EQ(body->cut(up, up).error(), "the soft body is disabled, see alive()");
@@ -338,17 +317,17 @@ TEST(Change, bodiesThatAreNotAliveRefuseAllChanges) {
 // --- groups ------------------------------------------------------------------------------------------------
 
 TEST(ChangeOfGroups, factorsApplyToTheirSpringsAndPoints) {
-  const SharedNetwork network = *withGroup(*test::chainNetwork(4), "end", {3, 4});
+  const SharedNetwork network = *withGroup(*chainNetwork(4), "end", {3, 4});
   ASSERT_EQ(network->groups[0].springs.size(), 1u);
-  World world(0.0, test::testedSettings(), network);
+  World world(0.0, testedSettings(), network);
   const double mass = world.body->totalMass();
   world.change([](SoftBodySettings& s) { s.groups = {{"end", 10.0, 1.0, 1.0, 3.0}}; });
   EXPECT_NEAR(world.body->totalMass(), mass * (1.0 + 2.0 * 2.0 / 5.0), mass * kFloat);
   // hangs by its first point from 4 springs in a row, the last of which is ten times as stiff
-  world.bullet.world->setGravity(vec(0, -1, 0));
+  world.world->setGravity(vec(0, -1, 0));
   world.body->pin(0);
   world.change([](SoftBodySettings& s) { s.damping = 3.0, s.sleepingSpeed = 0.0; });
-  world.bullet.simulate(20.0);
+  world.simulate(20.0);
   const double k = world.body->settings().extensionStiffness, m = mass / 5.0;
   const auto stretch = [&](std::uint32_t i) {
     return (world.body->position(i + 1) - world.body->position(i)).norm() - 0.25;
@@ -358,8 +337,8 @@ TEST(ChangeOfGroups, factorsApplyToTheirSpringsAndPoints) {
 }
 
 TEST(ChangeOfGroups, aSeamBreaksFirst) {
-  const SharedNetwork network = *withGroup(*test::chainNetwork(4), "seam", {1, 2});
-  SoftBodySettings s = test::testedSettings();
+  const SharedNetwork network = *withGroup(*chainNetwork(4), "seam", {1, 2});
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.breakStrain = 0.2;
   s.groups = {{"seam", 1.0, 1.0, 0.25, 1.0}};
   World world(0.0, s, network);
@@ -369,7 +348,7 @@ TEST(ChangeOfGroups, aSeamBreaksFirst) {
   EXPECT_TRUE(world.body->brokenSprings().empty());
   for (int i = 0; i < 200; ++i) {
     world.body->movePin(4, vec(0, -1.0 - 0.1 * i / 200.0, 0));
-    world.bullet.tick();
+    world.tick();
   }
   EXPECT_GT((world.body->position(2) - world.body->position(1)).norm(), 0.3);
   EXPECT_LT((world.body->position(1) - world.body->position(0)).norm(), 0.26);
@@ -382,33 +361,33 @@ TEST(ChangeOfGroups, aSeamBreaksFirst) {
 
 /// A muscle: two points on a spring of three halves of its strength.
 TEST(ChangeOfGroups, aMusclePullsByItsRestLength) {
-  const SharedNetwork network = *withGroup(*test::chainNetwork(4), "muscle", {1, 2});
-  World world(0.0, test::testedSettings(), network);
+  const SharedNetwork network = *withGroup(*chainNetwork(4), "muscle", {1, 2});
+  World world(0.0, testedSettings(), network);
   world.body->pin(1);
   world.body->pin(2);
   world.change([](SoftBodySettings& s) { s.groups = {{"muscle", 1.5, 1.0, 1.0, 1.0, 0.8}}; });
   EXPECT_NEAR((world.body->position(2) - world.body->position(1)).norm(), 0.25, kFloat)
       << "nothing moves at once";
-  world.bullet.simulate(0.1);
+  world.simulate(0.1);
   const double force = 1.5 * world.body->settings().extensionStiffness * 0.2 * 0.25;
   EXPECT_NEAR(double(world.body->pinForce(1).length()), force, 1e-4 * force);
   // let go it becomes as long as it wants to be, with the rest of the chain
   world.body->unpin(2);
   world.change([](SoftBodySettings& s) { s.damping = 3.0, s.sleepingSpeed = 0.0; });
-  world.bullet.simulate(20.0);
+  world.simulate(20.0);
   EXPECT_NEAR((world.body->position(2) - world.body->position(1)).norm(), 0.8 * 0.25, 1e-5);
   EXPECT_NEAR((world.body->position(3) - world.body->position(2)).norm(), 0.25, 1e-5);
 }
 
 TEST(ChangeOfGroups, namesAndIndicesAreChecked) {
-  const SharedNetwork chain = test::chainNetwork(4);
+  const SharedNetwork chain = chainNetwork(4);
   const SpringNetwork& network = *chain;
   EXPECT_EQ(withGroup(network, "end", {3, 9}).error(), "group 0 (end) has point 9 of 5");
   EXPECT_EQ(withGroup(network, "", {3}).error(), "group 0 () has no name");
   EXPECT_EQ(withGroup(**withGroup(network, "end", {3}), "end", {2}).error(),
             "group 1 (end) has the name of an earlier one");
   const SharedNetwork two = *withGroup(**withGroup(network, "end", {3, 4}), "top", {0});
-  World world(0.0, test::testedSettings(), two);
+  World world(0.0, testedSettings(), two);
   SoftBodySettings s = world.body->settings();
   s.groups = {{"arm"}};
   EXPECT_EQ(world.body->change(s).error(), "groups[0].name is arm, must be one of the network's: end, top");
@@ -429,7 +408,7 @@ TEST(Place, aTeleportCarriesNoVelocity) {
   EXPECT_LT(world.body->transform().getRotation().angleShortestPath(there.getRotation()), 1e-3);
   EXPECT_LT((world.body->linearMomentum() - momentum).norm(), kFloat * momentum.norm());
   EXPECT_NEAR(world.energy(), energy, 1e-3 * energy);
-  world.bullet.simulate(0.5);
+  world.simulate(0.5);
   EXPECT_LT((world.body->linearMomentum() - momentum).norm(), 1e-4);
   EXPECT_NEAR(world.energy(), energy, 3e-3 * energy);
 }
@@ -437,45 +416,45 @@ TEST(Place, aTeleportCarriesNoVelocity) {
 TEST(Place, pinsMoveWithTheBodyAndAreStill) {
   World world;
   ASSERT_TRUE(world.body->pin(2));
-  world.bullet.simulate(0.1);
+  world.simulate(0.1);
   const Eigen::Vector3d pin = world.body->position(2);
   btTransform there = world.body->transform();
   there.setOrigin(there.getOrigin() + vec(30, 0, 0));
   ASSERT_TRUE(world.body->setTransform(there));
-  world.bullet.simulate(1.0);
+  world.simulate(1.0);
   EXPECT_LT((world.body->position(2) - pin - Eigen::Vector3d(30, 0, 0)).norm(), 1e-4);
   EXPECT_LT(world.energy(), 1e-6);
 }
 
 TEST(Place, aFarPinTargetIsReachedAtTheSpeedAllowed) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.maxPinSpeed = 30.0;
   World world(0.0, s);
   ASSERT_TRUE(world.body->pin(0));
-  world.bullet.tick();
+  world.tick();
   const Eigen::Vector3d start = world.body->position(0);
   const double energy = world.body->elasticEnergy();
   ASSERT_TRUE(world.body->movePin(0, vec(start.x() + 2.0, start.y(), start.z())));
   EXPECT_EQ(world.body->position(0), start) << "it goes in the next tick";
   EXPECT_EQ(world.body->elasticEnergy(), energy);
   EXPECT_LT(world.body->pinForce(0).length(), 1e-3);
-  world.bullet.tick();
+  world.tick();
   EXPECT_NEAR((world.body->position(0) - start).norm(), 0.5, 1e-6);
-  for (int i = 0; i < 3; ++i) world.bullet.tick();
+  for (int i = 0; i < 3; ++i) world.tick();
   EXPECT_NEAR((world.body->position(0) - start).norm(), 2.0, 1e-5);
-  world.bullet.tick();
+  world.tick();
   EXPECT_NEAR((world.body->position(0) - start).norm(), 2.0, 1e-5);
 }
 
 TEST(Place, aTeleportedPinHasNoVelocity) {
   World world;
   ASSERT_TRUE(world.body->pin(0));
-  world.bullet.tick();
+  world.tick();
   const Eigen::Vector3d start = world.body->position(0);
   ASSERT_TRUE(world.body->teleportPin(0, vec(start.x(), start.y() + 0.1, start.z())));
   EXPECT_LT(world.body->velocity(0).norm(), 1e-9);
   EXPECT_NEAR(world.body->position(0).y(), start.y() + 0.1, 1e-6);
-  world.bullet.tick();
+  world.tick();
   EXPECT_NEAR(world.body->position(0).y(), start.y() + 0.1, 1e-6);
   EXPECT_LT(world.body->velocity(0).norm(), 1e-4);
 }
@@ -511,16 +490,16 @@ TEST(Push, aForceActsInOneStep) {
   for (const bool asleep : {false, true}) {
     World world;
     if (asleep) {
-      world.bullet.simulate(4.0);
+      world.simulate(4.0);
       ASSERT_TRUE(world.body->sleeping());
     }
     ASSERT_TRUE(world.body->applyForce(vec(6, 0, 0)));
-    world.bullet.world->stepSimulation(btScalar(2.00001 * kTick), 4, btScalar(kTick));
-    world.bullet.world->stepSimulation(btScalar(2.00001 * kTick), 4, btScalar(kTick));
+    world.world->stepSimulation(btScalar(2.00001 * kTick), 4, btScalar(kTick));
+    world.world->stepSimulation(btScalar(2.00001 * kTick), 4, btScalar(kTick));
     EXPECT_NEAR(world.body->linearMomentum().x(), 6.0 * 2.0 * kTick, 1e-5) << asleep;
     ASSERT_TRUE(world.body->applyTorque(vec(0, 6, 0)));
-    world.bullet.tick();
-    world.bullet.tick();
+    world.tick();
+    world.tick();
     // rounded to floats about an axis a small distance away
     const Eigen::Vector3d center = world.body->centerOfMass();
     const Eigen::Vector3d spin = world.body->angularMomentum() - center.cross(world.body->linearMomentum());
@@ -529,10 +508,10 @@ TEST(Push, aForceActsInOneStep) {
 }
 
 TEST(Push, aHitOnTheSurfaceIsPushedThere) {
-  if (!test::kSurface) GTEST_SKIP() << "needs a surface";
+  if (!kSurface) GTEST_SKIP() << "needs a surface";
   World world;
-  test::TriangleRay hits(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1));
-  world.bullet.world->rayTest(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1), hits);
+  TriangleRay hits(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1));
+  world.world->rayTest(vec(0.2, 5, 0.1), vec(0.2, -5, 0.1), hits);
   ASSERT_TRUE(hits.hasHit());
   const SurfaceHit hit = surfaceHit(hits.m_collisionObject, hits.triangle, hits.m_hitPointWorld);
   ASSERT_EQ(hit.body, world.body);
@@ -544,7 +523,7 @@ TEST(Push, aHitOnTheSurfaceIsPushedThere) {
   EXPECT_EQ(other.body->applyImpulse(vec(0, 1, 0), hit).error(), "the hit is not on this soft body");
   ASSERT_TRUE(world.body->setVelocity(vec(0, 0, 0)));
   ASSERT_TRUE(world.body->applyForce(vec(0, -6, 0), hit));
-  world.bullet.tick();
+  world.tick();
   EXPECT_NEAR(world.body->linearMomentum().y(), -6.0 * kTick, 1e-6);
 }
 
@@ -572,4 +551,4 @@ TEST(Push, badValuesAreNamed) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // Bullet's characters stand, walk and jump on soft bodies, push them, and walk through curtains.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletDynamics/Character/btKinematicCharacterController.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kRadius;
-using test::kTick;
-using test::vec;
 
 /// Bullet's character on a floor, set up as in Bullet's demos.
 struct Character {
@@ -52,17 +39,15 @@ struct Character {
 };
 
 TEST(Characters, walkAgainstACubeAndPushIt) {
-  if (!test::kSurface) GTEST_SKIP() << "the corners of the face let a capsule pass between them";
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  if (!kSurface) GTEST_SKIP() << "the corners of the face let a capsule pass between them";
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.position.y() = 0.5 + kRadius;
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 5;
+  setSprings(s, 2000, 5);
   s.totalMass = 2;
   s.pointRadius = kRadius;
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
   Character character(bullet, vec(-2, 0.8, 0));
   character.controller.setWalkDirection(vec(2 * kTick, 0, 0));
   bullet.simulate(3);
@@ -73,12 +58,11 @@ TEST(Characters, walkAgainstACubeAndPushIt) {
 
 TEST(Characters, thatAreWarpedPushNothingOnTheirWay) {
   for (const double distance : {3.0, 6.0, 40.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.position.y() = 0.5 + kRadius;
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
     Character character(bullet, vec(-1.5, 0.8, 0));
     bullet.simulate(1);
     const double before = cube->centerOfMass().x();
@@ -96,27 +80,21 @@ constexpr double kSunk = 0.04;
 
 /// A cushion of 6 m x 1 m x 3 m.
 SoftBody* addCushion(SoftBodySystem& system, double mass) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({0, 0.5 + kRadius, 0});
   s.scale = {6, 1, 3};
-  s.position = {0, 0.5 + kRadius, 0};
   s.totalMass = mass;
   s.pointRadius = kRadius;
-  s.extensionStiffness = s.compressionStiffness = 300 * mass;
-  s.damping = 0.3 * mass;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  setSprings(s, 300 * mass, 0.3 * mass);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 /// A cloth of 6 m x 3 m at a height of 1 m, pinned all around.
 SoftBody* addPinnedCloth(SoftBodySystem& system, double mass) {
-  ClothSettings c;
-  c.width = 6, c.depth = 3, c.columns = 24, c.rows = 12;
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 1, 0};
+  SoftBodySettings s = settingsAt({0, 1, 0});
   s.totalMass = mass;
   s.pointRadius = 0.03;
-  s.extensionStiffness = s.compressionStiffness = 200 * mass;
-  s.damping = 3 * mass;
-  SoftBody* cloth = *system.createBody(*buildCloth(c), s);
+  setSprings(s, 200 * mass, 3 * mass);
+  SoftBody* cloth = *system.createBody(clothNetwork(24, 12, 6, 3), s);
   for (std::uint32_t i = 0; i < cloth->pointCount(); ++i)
     if (std::abs(cloth->position(i).x()) > 2.99 || std::abs(cloth->position(i).z()) > 1.49) cloth->pin(i);
   return cloth;
@@ -134,13 +112,12 @@ double characterError(BulletWorld& bullet, const SoftBody& body, const Character
 }
 
 TEST(Characters, standAndWalkOnACushionOfAnyMass) {
-  if (!test::kSurface) GTEST_SKIP() << "a character falls through the face between the corners";
+  if (!kSurface) GTEST_SKIP() << "a character falls through the face between the corners";
   for (const double mass : {300.0, 3.0})
     for (const double walk : {0.0, 1.2}) {
-      BulletWorld bullet;
+      SoftWorld bullet;
       bullet.addPlaneFloor();
-      SoftBodySystem system(*bullet.world);
-      SoftBody* cushion = addCushion(system, mass);
+      SoftBody* cushion = addCushion(bullet.system, mass);
       bullet.simulate(1.0);
       const Eigen::Vector3d start = cushion->centerOfMass();
       Character character(bullet, vec(-2, 2, 0.2));
@@ -153,12 +130,11 @@ TEST(Characters, standAndWalkOnACushionOfAnyMass) {
 }
 
 TEST(Characters, thatStartInACushionDoNotThrowIt) {
-  if (!test::kSurface) GTEST_SKIP() << "a capsule passes between the corners";
+  if (!kSurface) GTEST_SKIP() << "a capsule passes between the corners";
   for (const double mass : {300.0, 3.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cushion = addCushion(system, mass);
+    SoftBody* cushion = addCushion(bullet.system, mass);
     bullet.simulate(1.0);
     Character character(bullet, vec(-2, 1, 0.2));
     for (int i = 0; i < 300; ++i) {
@@ -170,11 +146,10 @@ TEST(Characters, thatStartInACushionDoNotThrowIt) {
 }
 
 TEST(Characters, jumpOnACushionWithoutThrowingIt) {
-  if (!test::kSurface) GTEST_SKIP() << "a character falls through the face between the corners";
-  BulletWorld bullet;
+  if (!kSurface) GTEST_SKIP() << "a character falls through the face between the corners";
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cushion = addCushion(system, 30);
+  SoftBody* cushion = addCushion(bullet.system, 30);
   bullet.simulate(1.0);
   Character character(bullet, vec(-2, 2, 0.2));
   double highest = 0.0;
@@ -189,10 +164,9 @@ TEST(Characters, jumpOnACushionWithoutThrowingIt) {
 
 TEST(Characters, sinkInAClothAsFarAsItGivesWay) {
   for (const double mass : {100.0, 1.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cloth = addPinnedCloth(system, mass);
+    SoftBody* cloth = addPinnedCloth(bullet.system, mass);
     bullet.simulate(1.0);
     Character character(bullet, vec(-2, 2, 0.2));
     bullet.simulate(5.0);
@@ -210,16 +184,13 @@ constexpr int kCurtains = 64;
 
 /// A curtain of 1 m x 2 m at x = 0, pinned along its top.
 SoftBody* addCurtain(SoftBodySystem& system) {
-  ClothSettings c;
-  c.width = 1, c.depth = 2, c.columns = 10, c.rows = 20;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({0, 1.2, 0});
   s.totalMass = 0.2;
   s.pointRadius = kRadius;
-  s.position = {0, 1.2, 0};
-  s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Eigen::Vector3d::UnitY()) *
-               Eigen::AngleAxisd(0.5 * test::kPi, Eigen::Vector3d::UnitX());
+  s.rotation = Eigen::AngleAxisd(0.5 * kPi, Eigen::Vector3d::UnitY()) *
+               Eigen::AngleAxisd(0.5 * kPi, Eigen::Vector3d::UnitX());
   s.collisionGroup = kCurtains;
-  SoftBody* curtain = *system.createBody(*buildCloth(c), s);
+  SoftBody* curtain = *system.createBody(clothNetwork(10, 20, 1, 2), s);
   for (std::uint32_t i = 0; i < curtain->pointCount(); ++i)
     if (curtain->position(i).y() > 2.19) curtain->pin(i);
   return curtain;
@@ -227,17 +198,15 @@ SoftBody* addCurtain(SoftBodySystem& system) {
 
 /// The sweep of the controller does not see the curtain, which a kinematic capsule pushes aside instead.
 TEST(Characters, walkThroughACurtainOfAnotherGroup) {
-  if (!test::kSurface) GTEST_SKIP() << "a capsule passes between the points";
-  BulletWorld bullet;
+  if (!kSurface) GTEST_SKIP() << "a capsule passes between the points";
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* curtain = addCurtain(system);
+  SoftBody* curtain = addCurtain(bullet.system);
   Character character(bullet, vec(-2, 0.8, 0), btBroadphaseProxy::AllFilter & ~kCurtains);
   btRigidBody* body =
       bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(1)), 0.0, character.position());
   bullet.world->removeRigidBody(body);
-  body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  body->setActivationState(DISABLE_DEACTIVATION);
+  makeKinematic(*body);
   bullet.world->addRigidBody(body, btBroadphaseProxy::CharacterFilter, kCurtains);
   character.controller.setWalkDirection(vec(2 * kTick, 0, 0));
   double farthest = 0.0;
@@ -251,4 +220,4 @@ TEST(Characters, walkThroughACurtainOfAnotherGroup) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,33 +1,18 @@
 // SPDX-License-Identifier: Zlib
 // Contacts with static bodies add no energy, and do not depend on the units.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/test_shapes.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::kGravity;
-using test::kPi;
-using test::kTick;
-using test::vec;
 
 // --- tumbling drops ----------------------------------------------------------------------------------------
 
@@ -79,22 +64,20 @@ double riseInDrop(const SharedNetwork& network, FloorMaker addFloor, unsigned se
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> draw(-1.0, 1.0);
   const auto vector = [&] { return Vector3d(draw(random), draw(random), draw(random)); };
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   addFloor(bullet);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({0, 0.9, 0});
   s.extensionStiffness = s.compressionStiffness = seed % 2 ? 1e4 : 1e3;
   s.friction = seed / 2 % 2 ? 1.0 : 0.0;
-  s.position = {0, 0.9, 0};
   s.rotation = Eigen::AngleAxisd(3.0 * draw(random), vector().normalized());
   s.linearVelocity = {2.0 * draw(random), 0.0, 2.0 * draw(random)};
   s.angularVelocity = 5.0 * vector();
-  const SoftBody* body = *system.createBody(network, s);
-  const double start = test::energyOf(*body, kGravity);
+  const SoftBody* body = bullet.addSoft(network, s);
+  const double start = energyOf(*body, kGravity);
   double rise = 0.0;
   for (int tick = 0; tick < 90 && rise <= allowed; ++tick) {
     bullet.tick(kTick);
-    rise = std::max(rise, test::energyOf(*body, kGravity) / start - 1.0);
+    rise = std::max(rise, energyOf(*body, kGravity) / start - 1.0);
   }
   return rise;
 }
@@ -126,26 +109,24 @@ TEST(TumblingDrops, pointsThrownBySpringsStayOutside) {
        {FloorMaker([](BulletWorld& b) { b.addBox(vec(5, 0.02, 5), 0, vec(0, -0.02, 0)); }),
         FloorMaker(addTwoTriangles)})
     for (const double height : {0.1, 0.4, 0.8}) {
-      BulletWorld bullet(0.0);
+      SoftWorld bullet(0.0);
       addFloor(bullet);
-      SoftBodySystem system(*bullet.world);
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = settingsAt({0.1, height, 0.2});
       s.extensionStiffness = s.compressionStiffness = 1e4;
-      s.position = {0.1, height, 0.2};
       s.rotation = Eigen::AngleAxisd(kPi / 2, Vector3d::UnitZ());
       s.damping = 0.0;
-      SoftBody* body = *system.createBody(test::pairNetwork(), s);
+      SoftBody* body = bullet.addSoft(pairNetwork(), s);
       // compressed from a rest length of 1 m to 0.03 m, at rest
       for (std::uint32_t i = 0; i < 2; ++i) {
         btTransform pose = body->point(i)->getWorldTransform();
         pose.getOrigin().setY(btScalar(height + 0.03 * i));
         body->point(i)->setWorldTransform(pose);
       }
-      const double start = test::energyOf(*body);
+      const double start = energyOf(*body);
       for (int tick = 0; tick < 5; ++tick) {
         bullet.tick(kTick);
         for (std::uint32_t i = 0; i < 2; ++i) EXPECT_GT(body->position(i).y(), 0.0) << height << ", " << tick;
-        EXPECT_LE(test::energyOf(*body), 1.01 * start) << height << ", " << tick;
+        EXPECT_LE(energyOf(*body), 1.01 * start) << height << ", " << tick;
       }
     }
 }
@@ -166,27 +147,24 @@ struct Fall {
 
 /// Simulates a fall of 1 m to the height of the centre of mass at which a flat body lies on the plane.
 Rebound fall(const Fall& f) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.addPlaneFloor()->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = f.stiffness;
-  s.damping = 0.0;
+  SoftBodySettings s = settingsAt({0, 1.5, 0});
+  setSprings(s, f.stiffness, 0.0);
   s.friction = 0.0;
   s.volumeModulus = 0.0;
   s.restitution = f.restitution;
   s.stepping.minSubsteps = f.substeps;
-  s.position = {0, 1.5, 0};
   s.rotation = f.rotation;
   s.sleepingSpeed = 0.0;
-  const SoftBody* body = *system.createBody(f.network, s);
-  const double start = test::energyOf(*body, kGravity);
+  const SoftBody* body = bullet.addSoft(f.network, s);
+  const double start = energyOf(*body, kGravity);
   Rebound rebound{1.0, 1.0, 0.0};
   bool touched = false;
   for (int tick = 0; tick < 120; ++tick) {
     bullet.tick(kTick);
-    rebound.minEnergy = std::min(rebound.minEnergy, test::energyOf(*body, kGravity) / start);
-    rebound.maxEnergy = std::max(rebound.maxEnergy, test::energyOf(*body, kGravity) / start);
+    rebound.minEnergy = std::min(rebound.minEnergy, energyOf(*body, kGravity) / start);
+    rebound.maxEnergy = std::max(rebound.maxEnergy, energyOf(*body, kGravity) / start);
     touched = touched || !body->contacts().empty();
     if (touched) rebound.top = std::max(rebound.top, body->centerOfMass().y());
   }
@@ -210,8 +188,8 @@ SharedNetwork bracedBall() {
 /// tolerances are the remaining error, which falls with the square of the substep.
 TEST(Restitution, ofOneKeepsTheEnergyOfAnUndampedBody) {
   const Eigen::Quaterniond upright = rotationAbout(kPi / 2, Vector3d::UnitZ());
-  for (const Fall& f : {Fall{test::pairNetwork(), upright}, Fall{test::fullCubeNetwork()},
-                        Fall{test::fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
+  for (const Fall& f : {Fall{pairNetwork(), upright}, Fall{fullCubeNetwork()},
+                        Fall{fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})}, Fall{bracedBall()}}) {
     Fall fine = f;
     fine.substeps = 150;
     const Rebound rebound = fall(fine);
@@ -226,9 +204,8 @@ TEST(Restitution, ofOneKeepsTheEnergyOfAnUndampedBody) {
 TEST(Restitution, neverGivesEnergy) {
   for (const double stiffness : {2e3, 1e4})
     for (const double restitution : {1.0, 0.8, 0.5})
-      for (const Fall& f :
-           {Fall{test::fullCubeNetwork()}, Fall{test::fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})},
-            Fall{bracedBall()}}) {
+      for (const Fall& f : {Fall{fullCubeNetwork()}, Fall{fullCubeNetwork(), rotationAbout(0.7, {1, 2, 0.5})},
+                            Fall{bracedBall()}}) {
         Fall usual = f;
         usual.stiffness = stiffness;
         usual.restitution = restitution;
@@ -244,22 +221,20 @@ TEST(Restitution, neverGivesEnergy) {
 /// fraction of the initial energy.
 double maxEnergyOn(std::unique_ptr<btCollisionShape> shape, const Vector3d& position, double stiffness,
                    double tick) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.add(std::move(shape), 0, vec(0, -0.5, 0))->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt(position);
   s.extensionStiffness = s.compressionStiffness = stiffness;
   s.damping = s.friction = s.sleepingSpeed = 0.0;
   s.restitution = 1.0;
-  s.position = position;
   TriangleMesh mesh = small_meshes::cube();
   for (Vector3d& p : mesh.positions) p *= 0.5;
-  const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
-  const double start = test::energyOf(*body, kGravity);
+  const SoftBody* body = bullet.addSoft(bracedNetwork(mesh), s);
+  const double start = energyOf(*body, kGravity);
   double largest = 1.0;
   for (double time = 0.0; time < 1.2; time += tick) {
     bullet.tick(tick);
-    largest = std::max(largest, test::energyOf(*body, kGravity) / start);
+    largest = std::max(largest, energyOf(*body, kGravity) / start);
   }
   return largest;
 }
@@ -284,30 +259,27 @@ TEST(Restitution, ofOneGivesNoEnergyOnSmallBallsAndCones) {
 /// Throws a weightless block of foam at 4 m/s, onto a floor or a block like it. Returns the share of the
 /// energy that is left afterwards.
 double energyLeftAfterImpact(const SharedNetwork& block, bool onTwin, int minSubsteps) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   if (!onTwin) bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = *withMaterial(*block, Material::foam(), test::testedSettings());
+  SoftBodySettings s = *withMaterial(*block, Material::foam(), testedSettings());
   s.stepping.minSubsteps = minSubsteps;
   s.linearVelocity = {0, -4, 0};
   s.position = {0, 0.6, 0};
-  std::vector<const SoftBody*> bodies{*system.createBody(block, s)};
+  std::vector<const SoftBody*> bodies{bullet.addSoft(block, s)};
   s.linearVelocity *= -1.0;
   s.position *= -1.0;
-  if (onTwin) bodies.push_back(*system.createBody(block, s));
+  if (onTwin) bodies.push_back(bullet.addSoft(block, s));
   const double before = bodies[0]->kineticEnergy();
   bullet.simulate(0.5);
   double left = 0.0;
-  for (const SoftBody* body : bodies) left += test::energyOf(*body);
+  for (const SoftBody* body : bodies) left += energyOf(*body);
   return left / (before * static_cast<double>(bodies.size()));
 }
 
 /// The result of 400 substeps is within 0.01 of that of 1600. The error of the default falls with the
 /// substep, and a block that is braked too weakly rebounds too high: with 12 substeps, at twice the speed.
 TEST(StrongDampers, stopAnImpactAsFineSubstepsDo) {
-  MaterialMesh mesh;
-  mesh.points = 60;
-  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  const SharedNetwork block = solidNetwork(small_meshes::cube(), 60);
   for (const bool onTwin : {false, true}) {
     const double fine = energyLeftAfterImpact(block, onTwin, 400);
     EXPECT_LT(fine, 0.1);
@@ -318,32 +290,29 @@ TEST(StrongDampers, stopAnImpactAsFineSubstepsDo) {
 /// Like the bumper of a car: it is attached to a box and glides along the floor without touching it. The more
 /// substeps of an impact would be for nothing.
 TEST(StrongDampers, glidingPastAFloorIsNoImpact) {
-  MaterialMesh mesh;
-  mesh.points = 120;
   Material material = Material::foam();
   material.youngsModulus = 4e5;
   material.density = 300.0;
   material.dampingTime = 0.01;
   TriangleMesh box = small_meshes::cube();
   for (Vector3d& position : box.positions) position = position.cwiseProduct(Vector3d(0.3, 0.3, 1.2));
-  const SharedNetwork bumper = *buildMaterialNetwork(box, mesh);
-  SoftBodySettings s = *withMaterial(*bumper, material, test::testedSettings());
+  const SharedNetwork bumper = solidNetwork(box, 120);
+  SoftBodySettings s = *withMaterial(*bumper, material, testedSettings());
   s.pointRadius = 0.01;
   s.position = {1.16, 0.2, 0};
   std::vector<int> substeps;
   for (const double speed : {0.0, 6.0}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     btRigidBody& chassis = *bullet.addBox(vec(1, 0.1, 0.6), 400.0, vec(0, 0.3, 0));
     s.linearVelocity = {speed, 0, 0};
     chassis.setLinearVelocity(vec(speed, 0, 0));
-    SoftBody& body = **system.createBody(bumper, s);
+    SoftBody& body = *bullet.addSoft(bumper, s);
     for (std::uint32_t i = 0; i < body.pointCount(); ++i)
-      if (body.position(i).x() < 1.04) system.attach(&body, i, chassis);
+      if (body.position(i).x() < 1.04) bullet.system.attach(&body, i, chassis);
     bullet.simulate(0.5);
     substeps.push_back(body.substeps());
-    EXPECT_EQ(system.profile().contacts > 0, speed > 0.0);
+    EXPECT_EQ(bullet.system.profile().contacts > 0, speed > 0.0);
   }
   EXPECT_EQ(substeps[1], substeps[0]);
 }
@@ -357,8 +326,7 @@ struct AfterHit {
 
 /// Throws an undamped rubber ball without friction, 0.25 m across, at 6 m/s against the side of a capsule.
 AfterHit hitOnCapsule(const SharedNetwork& ball, double tick) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   Material rubber = Material::rubber();
   rubber.dampingTime = 0.0;
   SoftBodySettings s = *withMaterial(*ball, rubber);
@@ -367,7 +335,7 @@ AfterHit hitOnCapsule(const SharedNetwork& ball, double tick) {
   s.position = {-0.5, 0.12, 0};
   s.linearVelocity = {6, 0, 0};
   bullet.add(std::make_unique<btCapsuleShapeZ>(btScalar(0.15), btScalar(3)), 0.0, vec(0.3, -0.05, 0.02));
-  SoftBody& body = **system.createBody(ball, s);
+  SoftBody& body = *bullet.addSoft(ball, s);
   const double before = body.kineticEnergy();
   bullet.simulate(0.3, tick);
   const Vector3d own = body.angularMomentum() - body.centerOfMass().cross(body.linearMomentum());
@@ -377,12 +345,10 @@ AfterHit hitOnCapsule(const SharedNetwork& ball, double tick) {
 /// The edges of the ball's surface are pressed flat, and so concave, within the tick of the hit. They were
 /// let go and caught again at each search, which took 8 % of the energy and 40 % of the spin at 1/30 s.
 TEST(PressedEdges, carryAlikeAtAnyTick) {
-  if (!test::kSurface) GTEST_SKIP() << "points have no edges";
-  MaterialMesh points;
-  points.points = 150;
+  if (!kSurface) GTEST_SKIP() << "points have no edges";
   TriangleMesh sphere = small_meshes::icosphere(2);
   for (Vector3d& p : sphere.positions) p *= 0.25 / p.norm();
-  const SharedNetwork ball = *buildMaterialNetwork(sphere, points);
+  const SharedNetwork ball = solidNetwork(sphere, 150);
   const AfterHit fine = hitOnCapsule(ball, 1.0 / 240.0);
   EXPECT_GT(fine.energy, 0.98);
   for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0}) {
@@ -417,19 +383,13 @@ class SpikyGround {
 /// Drops a jelly cube of 65 kg on a cloth of 1 kg that falls on spikes. Returns the largest speed of its
 /// points.
 double fastestOnSpikes(const SharedNetwork& jelly, double x) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   const SpikyGround ground(bullet);
-  SoftBodySystem system(*bullet.world);
-  ClothSettings sheet;
-  sheet.width = sheet.depth = 3.0;
-  sheet.columns = sheet.rows = 20;
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.1, 1.2, 0.05};
+  SoftBodySettings s = settingsAt({0.1, 1.2, 0.05});
   s.pointRadius = 0.02;
-  (void)*system.createBody(*buildCloth(sheet), s);
-  SoftBodySettings ofJelly = test::testedSettings();
-  ofJelly.position = {x, 2.0, 0.0};
-  const SoftBody& cube = **system.createBody(jelly, *withMaterial(*jelly, {3e4, 0.3, 300.0, 0.01}, ofJelly));
+  (void)bullet.addSoft(squareCloth(20, 3.0), s);
+  SoftBodySettings ofJelly = settingsAt({x, 2.0, 0.0});
+  const SoftBody& cube = *bullet.addSoft(jelly, *withMaterial(*jelly, {3e4, 0.3, 300.0, 0.01}, ofJelly));
   double fastest = 0.0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -443,9 +403,7 @@ double fastestOnSpikes(const SharedNetwork& jelly, double x) {
 TEST(SurfaceContactEnergy, ofAJellyThatPressesAClothOntoSpikesDoesNotGrow) {
   TriangleMesh mesh = small_meshes::cube(4);
   for (Vector3d& p : mesh.positions) p *= 0.6;
-  MaterialMesh how;
-  how.points = 100;
-  const SharedNetwork jelly = *buildMaterialNetwork(mesh, how);
+  const SharedNetwork jelly = solidNetwork(mesh, 100);
   // of 5.8 m/s of the fall; points bounce off the others
   EXPECT_LT(fastestOnSpikes(jelly, 0.4), 9.0);
 }
@@ -455,20 +413,16 @@ TEST(SurfaceContactEnergy, ofAJellyThatPressesAClothOntoSpikesDoesNotGrow) {
 /// With each stepper: two planes push an undamped cloth that flies into their wedge, and never pull it.
 TEST(HeldContacts, neverPull) {
   for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton}) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     bullet.add(std::make_unique<btStaticPlaneShape>(vec(-0.6, -0.8, 0), btScalar(-0.9)), 0, vec(0, 0, 0));
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = settingsAt({-0.5, 0.7, 0});
     s.stepping.stepper = stepper;
     s.damping = 0.0;
     s.totalMass = 0.3;
-    s.position = {-0.5, 0.7, 0};
     s.linearVelocity = {8, 0, 0};
     s.rotation = rotationAbout(0.7, {1, 2, 0.5});
-    ClothSettings cloth;
-    cloth.columns = cloth.rows = 3;
-    const SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+    const SoftBody* body = bullet.addSoft(squareCloth(3), s);
     int pushes = 0;
     for (int tick = 0; tick < 80; ++tick) {
       bullet.tick(kTick);
@@ -490,36 +444,32 @@ TEST(HeldContacts, neverPull) {
 /// factor 1 / (1 - (omega dt)^2 / 4) = 2 by which the energy of Verlet's oscillations varies at (omega dt)^2
 /// = 2.
 TEST(TightBudget, ofAClothThatTouchesItselfMakesNoEnergy) {
-  if (!test::kSurface) GTEST_SKIP() << "only surfaces touch themselves";
+  if (!kSurface) GTEST_SKIP() << "only surfaces touch themselves";
   for (unsigned seed = 0; seed < 16; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> draw(-1.0, 1.0);
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
     auto hull = std::make_unique<btConvexHullShape>();
     for (int i = 0; i < 8; ++i)
       hull->addPoint(vec(i & 1 ? 0.3 : -0.3, i & 2 ? 0.3 : -0.3, i & 4 ? 0.3 : -0.3));
     bullet.add(std::move(hull), 0, vec(0.1 * draw(random), 0.3, 0));
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.0, 0};
+    SoftBodySettings s = settingsAt({0, 1.0, 0});
     s.damping = s.friction = 0.0;
     s.totalMass = 0.3;
     s.selfCollision = true;
     s.stepping.maxSubsteps = 4;
-    ClothSettings cloth;
-    cloth.columns = cloth.rows = 3;
-    SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+    SoftBody* body = bullet.addSoft(squareCloth(3), s);
     bullet.simulate(0.45);
     btRigidBody& corner = *body->point(seed % 16);
     btTransform pose = corner.getWorldTransform();
     const double x = draw(random), y = std::abs(draw(random)), z = draw(random);
     pose.setOrigin(pose.getOrigin() + vec(x, y, z));
     corner.setWorldTransform(pose);
-    const double start = test::energyOf(*body, kGravity);
+    const double start = energyOf(*body, kGravity);
     for (int tick = 0; tick < 40; ++tick) {
       bullet.tick(kTick);
-      ASSERT_LE(test::energyOf(*body, kGravity), 2.0 * start) << "seed " << seed << ", tick " << tick;
+      ASSERT_LE(energyOf(*body, kGravity), 2.0 * start) << "seed " << seed << ", tick " << tick;
     }
   }
 }
@@ -533,12 +483,9 @@ double riseUnderCone(const SharedNetwork& star, unsigned seed, double& fall) {
   const auto between = [&](double low, double high) {
     return low + (high - low) * double(random()) / 4294967296.0;
   };
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.5, 0};
-  SoftBody* soft = *system.createBody(star, *withMaterial(*star, Material::jelly(), s));
+  SoftBody* soft = bullet.addSoft(star, *withMaterial(*star, Material::jelly(), settingsAt({0, 0.5, 0})));
   bullet.simulate(1.0);
   btRigidBody* cone =
       bullet.add(std::make_unique<btConeShape>(btScalar(0.26), btScalar(0.46)),
@@ -549,8 +496,8 @@ double riseUnderCone(const SharedNetwork& star, unsigned seed, double& fall) {
   double least = HUGE_VAL, rise = 0.0;
   for (int tick = 0; tick < 180; ++tick) {
     bullet.tick();
-    const double energy = test::energyOf(*soft, kGravity) + test::energyOf(*cone, kGravity);
-    fall = std::max(fall, test::kineticEnergyOf(*cone) + soft->kineticEnergy());
+    const double energy = energyOf(*soft, kGravity) + energyOf(*cone, kGravity);
+    fall = std::max(fall, kineticEnergyOf(*cone) + soft->kineticEnergy());
     least = std::min(least, energy);
     rise = std::max(rise, energy - least);
   }
@@ -559,10 +506,8 @@ double riseUnderCone(const SharedNetwork& star, unsigned seed, double& fall) {
 
 /// The folds of the star push against each other through the cone. Overlaps that are removed there come back.
 TEST(Folds, aroundAConeGainNoEnergy) {
-  if (!test::kSurface) GTEST_SKIP() << "the cone falls between the points";
-  MaterialMesh coarse;
-  coarse.points = 100;
-  const SharedNetwork star = *buildMaterialNetwork(test_shapes::star(), coarse);
+  if (!kSurface) GTEST_SKIP() << "the cone falls between the points";
+  const SharedNetwork star = solidNetwork(test_shapes::star(), 100);
   double fall = 0.0;
   const double rise = riseUnderCone(star, 9, fall);
   EXPECT_LT(rise, 0.01 * fall);  // removed overlaps; without a limit of their work 18 times
@@ -581,21 +526,19 @@ struct Units {
 /// Returns the heights of all points, in units of the scene's length, after each tick of a second: a cube of
 /// 1 m above (or inside) a floor, and a second one that falls on it.
 std::vector<double> heightsIn(const Units& u, double height, double restitution, double gravity) {
-  BulletWorld bullet(-gravity);
+  SoftWorld bullet(-gravity);
   bullet.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, vec(0, 0, 0))
       ->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.totalMass = u.mass();
-  s.extensionStiffness = s.compressionStiffness = 2e3 * u.mass() / (u.time() * u.time());
-  s.damping = 5.0 * u.mass() / u.time();
+  setSprings(s, 2e3 * u.mass() / (u.time() * u.time()), 5.0 * u.mass() / u.time());
   s.restitution = restitution;
   s.scale.setConstant(u.length);
   s.position = {0, height * u.length, 0};
   s.sleepingSpeed = 0.0;
-  std::vector<SoftBody*> bodies = {*system.createBody(test::closedCubeNetwork(), s)};
+  std::vector<SoftBody*> bodies = {bullet.addSoft(closedCubeNetwork(), s)};
   s.position = {0.1 * u.length, (height + 1.3) * u.length, 0.05 * u.length};
-  bodies.push_back(*system.createBody(test::closedCubeNetwork(), s));
+  bodies.push_back(bullet.addSoft(closedCubeNetwork(), s));
   std::vector<double> heights;
   for (int tick = 0; tick < 60; ++tick) {
     bullet.tick(kTick * u.time());
@@ -626,4 +569,4 @@ TEST(Units, doNotChangeHowBodiesAreLiftedOutOfAFloor) { expectSameInOtherUnits(0
 TEST(Units, doNotChangeHowBodiesAreLiftedOutOfAFloorWithoutGravity) { expectSameInOtherUnits(0.5, 0.0, 0.0); }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

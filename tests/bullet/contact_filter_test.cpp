@@ -1,42 +1,23 @@
 // SPDX-License-Identifier: Zlib
 // Contacts that the user's filter changes or rejects before they act.
 #include "support/allocation_counter.h"
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/parallel.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kGravity;
-using test::kRadius;
-using test::kTick;
-using test::vec;
 
 /// A cube of 1 m at a height (m) of its lowest surface.
 SoftBody* addFilteredCube(SoftBodySystem& system, double height, double x = 0.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {x, height + 0.5 + kRadius, 0};
-  s.extensionStiffness = s.compressionStiffness = 5000;
-  s.damping = 20;
+  SoftBodySettings s = settingsAt({x, height + 0.5 + kRadius, 0});
+  setSprings(s, 5000, 20);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 double speedOf(const SoftBody& body) { return body.linearMomentum().x() / body.totalMass(); }
@@ -48,9 +29,8 @@ btRigidBody* addGround(BulletWorld& bullet, Ground ground) {
   if (ground == Ground::Triangles) return bullet.addTriangleFloor();
   if (ground == Ground::Box) return bullet.addBoxFloor();
   if (ground == Ground::Dynamic) bullet.addBox(vec(20, 1, 20), 0, vec(0, -3, 0))->setFriction(1);
-  btRigidBody* box = bullet.addBox(vec(4, 1, 4), ground == Ground::Dynamic ? 1e6 : 0, vec(0, -1, 0));
+  btRigidBody* box = bullet.addAwakeBox(vec(4, 1, 4), ground == Ground::Dynamic ? 1e6 : 0, vec(0, -1, 0));
   box->setFriction(1);
-  box->setActivationState(DISABLE_DEACTIVATION);
   if (ground == Ground::Kinematic) box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
   return box;
 }
@@ -64,38 +44,34 @@ TEST(ContactFilter, aBeltAcceleratesACubeByItsFrictionUpToItsSpeed) {
   constexpr double kFriction = 0.3, kBelt = 1.5;
   for (const Ground ground : kGrounds) {
     SCOPED_TRACE(static_cast<int>(ground));
-    BulletWorld bullet;
+    SoftWorld bullet;
     btRigidBody* belt = addGround(bullet, ground);
-    SoftBodySystem system(*bullet.world);
-    system.setContactFilter([&](ContactCandidate& c) {
+    bullet.system.setContactFilter([&](ContactCandidate& c) {
       if (c.other != belt) return;
       c.friction = kFriction;
       c.surfaceVelocity = vec(kBelt, 0.7, 0);  // the part along the normal does not act
     });
-    SoftBody* cube = addFilteredCube(system, 0.0);
+    SoftBody* cube = addFilteredCube(bullet.system, 0.0);
     bullet.simulate(0.3);
     EXPECT_NEAR(speedOf(*cube), kFriction * kGravity * 0.3, 0.04 * kFriction * kGravity * 0.3);
     bullet.simulate(1.0);
     EXPECT_NEAR(speedOf(*cube), kBelt, 0.01 * kBelt);
-    EXPECT_NEAR(test::lowest(*cube), kRadius, 0.01);
+    EXPECT_NEAR(lowest(*cube), kRadius, 0.01);
   }
 }
 
 TEST(ContactFilter, aBallOnATurningDrumIsCarriedAlongItsSurface) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* drum = bullet.add(std::make_unique<btCylinderShapeZ>(vec(1, 1, 2)), 0, vec(0, -1, 0));
-  SoftBodySystem system(*bullet.world);
-  system.setContactFilter([&](ContactCandidate& c) {
+  bullet.system.setContactFilter([&](ContactCandidate& c) {
     c.friction = 1.0;
     const btVector3 arm = c.position - drum->getWorldTransform().getOrigin();
     c.surfaceVelocity = btVector3(0, 0, 1).cross(arm) * btScalar(-1);
   });
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.22, 0};
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 10;
+  SoftBodySettings s = settingsAt({0, 0.22, 0});
+  setSprings(s, 2000, 10);
   s.scale = {0.2, 0.2, 0.2};
-  SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(1)), s);
+  SoftBody* ball = bullet.addSoft(bracedNetwork(small_meshes::icosphere(1)), s);
   bullet.simulate(0.6);
   EXPECT_GT(ball->centerOfMass().x(), 0.05) << "clockwise: to the right on top";
 }
@@ -105,11 +81,10 @@ TEST(ContactFilter, aBallOnATurningDrumIsCarriedAlongItsSurface) {
 TEST(ContactFilter, rejectedContactsNeitherActNorAreReported) {
   for (const Ground ground : kGrounds) {
     SCOPED_TRACE(static_cast<int>(ground));
-    BulletWorld bullet;
+    SoftWorld bullet;
     addGround(bullet, ground);
-    SoftBodySystem system(*bullet.world);
-    system.setContactFilter([](ContactCandidate& c) { c.response = ContactResponse::Ignore; });
-    SoftBody* cube = addFilteredCube(system, 0.1);
+    bullet.system.setContactFilter([](ContactCandidate& c) { c.response = ContactResponse::Ignore; });
+    SoftBody* cube = addFilteredCube(bullet.system, 0.1);
     const double start = cube->centerOfMass().y();
     for (int i = 0; i < 30; ++i) {
       bullet.tick();
@@ -122,11 +97,10 @@ TEST(ContactFilter, rejectedContactsNeitherActNorAreReported) {
 TEST(ContactFilter, reportedContactsDoNotAct) {
   for (const Ground ground : kGrounds) {
     SCOPED_TRACE(static_cast<int>(ground));
-    BulletWorld bullet;
+    SoftWorld bullet;
     btRigidBody* floor = addGround(bullet, ground);
-    SoftBodySystem system(*bullet.world);
-    system.setContactFilter([](ContactCandidate& c) { c.response = ContactResponse::Report; });
-    SoftBody* cube = addFilteredCube(system, 0.1);
+    bullet.system.setContactFilter([](ContactCandidate& c) { c.response = ContactResponse::Report; });
+    SoftBody* cube = addFilteredCube(bullet.system, 0.1);
     const double start = cube->centerOfMass().y();
     std::size_t reported = 0;
     for (int i = 0; i < 15; ++i) {
@@ -145,15 +119,14 @@ TEST(ContactFilter, reportedContactsDoNotAct) {
 
 TEST(ContactFilter, softBodiesPassThroughEachOtherAndThemselvesIfTheFilterSaysSo) {
   for (const ContactResponse response : {ContactResponse::Act, ContactResponse::Ignore}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     std::size_t asked = 0;
-    system.setContactFilter([&](ContactCandidate& c) {
+    bullet.system.setContactFilter([&](ContactCandidate& c) {
       asked += c.otherBody != nullptr;
       c.response = response;
     });
-    SoftBody* left = addFilteredCube(system, 0.0);
-    SoftBody* right = addFilteredCube(system, 0.0, 1.2);
+    SoftBody* left = addFilteredCube(bullet.system, 0.0);
+    SoftBody* right = addFilteredCube(bullet.system, 0.0, 1.2);
     left->setVelocity(vec(2, 0, 0));
     bullet.simulate(0.5);
     EXPECT_GT(asked, 0u);
@@ -166,16 +139,15 @@ TEST(ContactFilter, softBodiesPassThroughEachOtherAndThemselvesIfTheFilterSaysSo
 
 TEST(ContactFilter, massFactorsSayWhichSideGivesWay) {
   for (const double factor : {1.0, 1e6, 1e-6}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    system.setContactFilter([&](ContactCandidate& c) {
+    SoftWorld bullet(0.0);
+    bullet.system.setContactFilter([&](ContactCandidate& c) {
       c.massFactor = factor > 1 ? factor : 1;
       c.otherMassFactor = factor < 1 ? 1 / factor : 1;
       c.friction = 0;
     });
     btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(1.2, 0, 0));
     box->setLinearVelocity(vec(-1, 0, 0));
-    SoftBody* cube = addFilteredCube(system, -0.5 - kRadius);
+    SoftBody* cube = addFilteredCube(bullet.system, -0.5 - kRadius);
     cube->setVelocity(vec(1, 0, 0));
     bullet.simulate(1.0);
     const double theirs = double(box->getLinearVelocity().x()), ours = speedOf(*cube);
@@ -193,11 +165,10 @@ TEST(ContactFilter, massFactorsSayWhichSideGivesWay) {
 }
 
 TEST(ContactFilter, aSoftBodyCanGiveWayToAnother) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* left = addFilteredCube(system, 0.0);
-  SoftBody* right = addFilteredCube(system, 0.0, 1.2);
-  system.setContactFilter(
+  SoftWorld bullet(0.0);
+  SoftBody* left = addFilteredCube(bullet.system, 0.0);
+  SoftBody* right = addFilteredCube(bullet.system, 0.0, 1.2);
+  bullet.system.setContactFilter(
       [&](ContactCandidate& c) { (c.body == right ? c.massFactor : c.otherMassFactor) = 1e6; });
   left->setVelocity(vec(2, 0, 0));
   bullet.simulate(0.5);
@@ -209,20 +180,16 @@ TEST(ContactFilter, aSoftBodyCanGiveWayToAnother) {
 TEST(ContactFilter, massFactorsDoNotMatterWithinABody) {
   std::uint64_t hashes[2];
   for (const bool differ : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
-    system.setContactFilter([&](ContactCandidate& c) {
+    bullet.system.setContactFilter([&](ContactCandidate& c) {
       if (differ) c.massFactor = 5.0, c.otherMassFactor = 0.2;
     });
-    RopeSettings r;
-    r.segments = 30;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = settingsAt({0, 0.1, 0});
     s.collision = Collision::Surface;
     s.selfCollision = true;
-    s.position = {0, 0.1, 0};
     s.rotation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());
-    SoftBody* rope = *system.createBody(*buildRope(r), s);
+    SoftBody* rope = bullet.addSoft(ropeNetwork(30), s);
     std::size_t selfContacts = 0;
     for (int i = 0; i < 90; ++i) {
       bullet.tick();
@@ -238,12 +205,11 @@ TEST(ContactFilter, massFactorsDoNotMatterWithinABody) {
 
 TEST(ContactFilter, seesContactsThatAreFoundWithinTheTick) {
   for (const ContactResponse response : {ContactResponse::Act, ContactResponse::Ignore}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 0.3, vec(0.5, 3, 0.5));
     ball->setLinearVelocity(vec(0, -60, 0));
-    SoftBodySystem system(*bullet.world);
-    system.setContactFilter([&](ContactCandidate& c) { c.response = response; });
-    SoftBody* cube = addFilteredCube(system, -0.9);
+    bullet.system.setContactFilter([&](ContactCandidate& c) { c.response = response; });
+    SoftBody* cube = addFilteredCube(bullet.system, -0.9);
     bullet.simulate(0.2);
     if (response == ContactResponse::Act) {
       EXPECT_GT(double(ball->getLinearVelocity().y()), -55.0) << "the cube brakes the ball";
@@ -257,47 +223,39 @@ TEST(ContactFilter, seesContactsThatAreFoundWithinTheTick) {
 // --- one side ----------------------------------------------------------------------------------------------
 
 TEST(ContactFilter, aPlatformHoldsFromAboveOnly) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBox(vec(3, 0.1, 3), 0, vec(0, 0, 0));
-  SoftBodySystem system(*bullet.world);
-  system.setContactFilter([](ContactCandidate& c) { c.facing = vec(0, 1, 0); });
-  SoftBody* cube = addFilteredCube(system, -1.5);
+  bullet.system.setContactFilter([](ContactCandidate& c) { c.facing = vec(0, 1, 0); });
+  SoftBody* cube = addFilteredCube(bullet.system, -1.5);
   cube->setVelocity(vec(0, 7, 0));
   double highest = -10;
   for (int i = 0; i < 180; ++i) {
     bullet.tick();
-    highest = std::max(highest, test::lowest(*cube));
+    highest = std::max(highest, lowest(*cube));
   }
   EXPECT_GT(highest, 0.5) << "the platform does not stop it from below";
-  EXPECT_NEAR(test::lowest(*cube), 0.1 + kRadius, 0.02) << "it lies on it";
+  EXPECT_NEAR(lowest(*cube), 0.1 + kRadius, 0.02) << "it lies on it";
 }
 
 TEST(ContactFilter, aClothInsideACharacterLeavesToTheChosenSide) {
   for (const bool kinematic : {false, true}) {
     SCOPED_TRACE(kinematic);
-    BulletWorld bullet;
+    SoftWorld bullet;
     btRigidBody* character =
         bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(1.2)), 0, vec(0, 0, 0));
     if (kinematic) {
-      character->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-      character->setActivationState(DISABLE_DEACTIVATION);
+      makeKinematic(*character);
     }
-    SoftBodySystem system(*bullet.world);
-    system.setContactFilter([](ContactCandidate& c) { c.facing = vec(0, 0, -1); });
+    bullet.system.setContactFilter([](ContactCandidate& c) { c.facing = vec(0, 0, -1); });
     // a cape that hangs from the shoulders behind the character (-z), blown through it to the front
-    ClothSettings cape;
-    cape.width = 0.5, cape.depth = 0.9;
-    cape.columns = 6, cape.rows = 10;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = settingsAt({0, 0.127, -0.1});
     s.pointRadius = 0.02;
     s.totalMass = 0.3;
-    s.rotation = Eigen::AngleAxisd(0.31 * test::kPi, Eigen::Vector3d::UnitX());
-    s.position = {0, 0.127, -0.1};
-    s.extensionStiffness = s.compressionStiffness = 500;
-    s.damping = 1;
+    s.rotation = Eigen::AngleAxisd(0.31 * kPi, Eigen::Vector3d::UnitX());
+    setSprings(s, 500, 1);
     s.flow.drag = 1.0;
-    SoftBody* cloth = *system.createBody(*buildCloth(cape), s);
-    for (std::uint32_t i = 0; i <= cape.columns; ++i) cloth->pin(i);
+    SoftBody* cloth = bullet.addSoft(clothNetwork(6, 10, 0.5, 0.9), s);
+    for (std::uint32_t i = 0; i <= 6; ++i) cloth->pin(i);
     EXPECT_GT(cloth->position(cloth->pointCount() - 1).z(), 0.1);
     bullet.simulate(4.0);
     double innermost = 1.0;
@@ -314,13 +272,12 @@ TEST(ContactFilter, aClothInsideACharacterLeavesToTheChosenSide) {
 // --- what a candidate knows --------------------------------------------------------------------------------
 
 TEST(ContactFilter, knowsTheTriangleOfAMesh) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addTriangleFloor();
-  SoftBodySystem system(*bullet.world);
   std::size_t asked = 0;
-  system.setContactFilter([&](ContactCandidate& c) {
+  bullet.system.setContactFilter([&](ContactCandidate& c) {
     if (c.distance > 0.05) return;
-    test::TriangleRay ray(c.position + vec(0.001, 1, 0.0007), c.position + vec(0.001, -1, 0.0007));
+    TriangleRay ray(c.position + vec(0.001, 1, 0.0007), c.position + vec(0.001, -1, 0.0007));
     const btTransform from(btQuaternion::getIdentity(), ray.m_rayFromWorld),
         to(btQuaternion::getIdentity(), ray.m_rayToWorld);
     btCollisionWorld::rayTestSingle(from, to, floor, floor->getCollisionShape(), floor->getWorldTransform(),
@@ -330,25 +287,23 @@ TEST(ContactFilter, knowsTheTriangleOfAMesh) {
     EXPECT_EQ(c.otherTriangle, ray.triangle);
     ++asked;
   });
-  SoftBody* cube = addFilteredCube(system, 0.0, 0.05);
+  SoftBody* cube = addFilteredCube(bullet.system, 0.0, 0.05);
   bullet.simulate(0.2);
   EXPECT_GT(asked, 20u);
-  EXPECT_NEAR(test::lowest(*cube), kRadius, 0.01);
+  EXPECT_NEAR(lowest(*cube), kRadius, 0.01);
 }
 
 TEST(ContactFilter, bouncesWithTheRestitutionOfTheFilter) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  system.setContactFilter([](ContactCandidate& c) { c.restitution = 1.0; });
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 1.0 + kRadius, 0};
+  bullet.system.setContactFilter([](ContactCandidate& c) { c.restitution = 1.0; });
+  SoftBodySettings s = settingsAt({0, 1.0 + kRadius, 0});
   s.pointRadius = kRadius;
-  SoftBody* pair = *system.createBody(test::pairNetwork(), s);
+  SoftBody* pair = bullet.addSoft(pairNetwork(), s);
   double highest = 0.0;
   for (int i = 0; i < 54; ++i) {
     bullet.tick();
-    if (i > 35) highest = std::max(highest, test::lowest(*pair));
+    if (i > 35) highest = std::max(highest, lowest(*pair));
   }
   EXPECT_NEAR(highest, 1.0 + kRadius, 0.05);
 }
@@ -359,10 +314,9 @@ TEST(ContactFilter, bulletsCombinedFrictionIsThatOfThePair) {
     return (a->getUserIndex2() == 7 || b->getUserIndex2() == 7) ? btScalar(0) : btScalar(1);
   };
   for (const bool slippery : {true, false}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addPlaneFloor()->setUserIndex2(slippery ? 7 : 1);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cube = addFilteredCube(system, 0.0);
+    SoftBody* cube = addFilteredCube(bullet.system, 0.0);
     cube->setVelocity(vec(1, 0, 0));
     bullet.simulate(0.5);
     EXPECT_NEAR(speedOf(*cube), slippery ? 1.0 : 0.0, 0.05);
@@ -373,21 +327,18 @@ TEST(ContactFilter, bulletsCombinedFrictionIsThatOfThePair) {
 // --- cost --------------------------------------------------------------------------------------------------
 
 TEST(ContactFilter, aTickAllocatesNothing) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   addGround(bullet, Ground::Triangles);
   bullet.addBox(vec(0.3, 0.3, 0.3), 1.0, vec(0, 1.4, 0));
-  SoftBodySystem system(*bullet.world);
-  system.setContactFilter([](ContactCandidate& c) {
+  bullet.system.setContactFilter([](ContactCandidate& c) {
     if (c.otherTriangle >= 0) c.facing = vec(0, 1, 0);
     c.massFactor = 2.0;
     if (c.otherTriangle < 0 && c.side.points[0] == 7) c.response = ContactResponse::Report;
   });
-  addFilteredCube(system, 0.0);
+  addFilteredCube(bullet.system, 0.0);
   // arrays of contacts grow until they have held the most that occur
   bullet.simulate(4.0);
-  const test::AllocationCounter counter;
-  bullet.simulate(0.5);
-  EXPECT_EQ(counter.allocations(), 0u);
+  EXPECT_EQ(allocationsIn([&] { bullet.simulate(0.5); }), 0u);
 }
 
 // --- determinism -------------------------------------------------------------------------------------------
@@ -395,20 +346,17 @@ TEST(ContactFilter, aTickAllocatesNothing) {
 TEST(ContactFilter, givesTheSameBitsOnAnyNumberOfThreads) {
   std::vector<std::uint64_t> hashes;
   for (const unsigned threads : {1u, 2u}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     addGround(bullet, Ground::Triangles);
-    SoftBodySystem system(*bullet.world);
     ThreadPool pool(threads);
-    system.setParallelFor(pool.parallelFor(), 0);
-    system.setContactFilter([](ContactCandidate& c) {
+    bullet.system.setParallelFor(pool.parallelFor(), 0);
+    bullet.system.setContactFilter([](ContactCandidate& c) {
       c.friction = c.otherTriangle % 2 ? 0.1 : 0.9;
       c.surfaceVelocity = vec(0.5, 0, 0);
     });
-    for (int i = 0; i < 6; ++i) addFilteredCube(system, 0.3 * i, 0.9 * i)->setVelocity(vec(0, -4, 1));
+    for (int i = 0; i < 6; ++i) addFilteredCube(bullet.system, 0.3 * i, 0.9 * i)->setVelocity(vec(0, -4, 1));
     bullet.simulate(1.0);
-    std::uint64_t hash = 0;
-    for (std::size_t i = 0; i < system.bodyCount(); ++i) hash = hash * 31 + system.body(i)->stateHash();
-    hashes.push_back(hash);
+    hashes.push_back(stateHashOf(bullet.system));
   }
   EXPECT_EQ(hashes[0], hashes[1]);
 }
@@ -416,11 +364,10 @@ TEST(ContactFilter, givesTheSameBitsOnAnyNumberOfThreads) {
 TEST(ContactFilter, aFilterThatChangesNothingChangesNoBit) {
   std::vector<std::uint64_t> hashes;
   for (const bool filtered : {false, true}) {
-    BulletWorld bullet;
-    addGround(bullet, test::kSurface ? Ground::Dynamic : Ground::Box);
-    SoftBodySystem system(*bullet.world);
-    if (filtered) system.setContactFilter([](ContactCandidate&) {});
-    SoftBody* cube = addFilteredCube(system, 0.3);
+    SoftWorld bullet;
+    addGround(bullet, kSurface ? Ground::Dynamic : Ground::Box);
+    if (filtered) bullet.system.setContactFilter([](ContactCandidate&) {});
+    SoftBody* cube = addFilteredCube(bullet.system, 0.3);
     cube->setVelocity(vec(1, -2, 0), vec(1, 2, 3));
     bullet.simulate(1.0);
     hashes.push_back(cube->stateHash());
@@ -434,22 +381,21 @@ TEST(ContactFilter, numbersThatAreNotFiniteAreIgnored) {
   for (const Ground ground : kGrounds)
     for (const btScalar nonsense : {kNaN, kInfinite}) {
       SCOPED_TRACE(static_cast<int>(ground));
-      BulletWorld bullet;
+      SoftWorld bullet;
       addGround(bullet, ground);
-      SoftBodySystem system(*bullet.world);
-      system.setContactFilter([&](ContactCandidate& c) {
+      bullet.system.setContactFilter([&](ContactCandidate& c) {
         c.friction = double(nonsense);
         c.restitution = c.massFactor = c.otherMassFactor = double(nonsense);
         c.surfaceVelocity = c.facing = btVector3(nonsense, nonsense, nonsense);
       });
-      SoftBody* cube = addFilteredCube(system, 0.01);
+      SoftBody* cube = addFilteredCube(bullet.system, 0.01);
       bullet.simulate(1.0);
       // an infinite restitution counts as 1
-      EXPECT_GT(test::lowest(*cube), 0.5 * kRadius);
-      EXPECT_LT(test::lowest(*cube), 0.1);
+      EXPECT_GT(lowest(*cube), 0.5 * kRadius);
+      EXPECT_LT(lowest(*cube), 0.1);
       EXPECT_EQ(cube->restorations(), 0u);
     }
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

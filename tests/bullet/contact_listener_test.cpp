@@ -1,26 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Contacts that begin, persist and end.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <functional>
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kRadius;
-using test::vec;
 
 /// Records the calls as letters: b(egins), p(ersists) and e(nds).
 struct CallRecorder : ContactListener {
@@ -41,24 +28,20 @@ struct CallRecorder : ContactListener {
 };
 
 SoftBody* addLightlyDampedCube(SoftBodySystem& system, double height, double x = 0.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {x, height, 0};
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 2;
+  SoftBodySettings s = settingsAt({x, height, 0});
+  setSprings(s, 2000, 2);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 /// A cloth falls on two balls. Points near both have contacts that follow the two surfaces.
 TEST(ContactReport, hasNoContactsOfPointsThatHaveNotTouched) {
   for (const double level : {-10.0, 0.0, 10.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     for (const double x : {-0.4, 0.4}) bullet.add(std::make_unique<btSphereShape>(0.5f), 0, vec(x, level, 0));
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, level + 0.55, 0};
+    SoftBodySettings s = settingsAt({0, level + 0.55, 0});
     s.pointRadius = kRadius;
-    SoftBody* cloth = *system.createBody(*buildCloth({}), s);
+    SoftBody* cloth = bullet.addSoft(*buildCloth({}), s);
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
       for (const SoftContact& c : cloth->contacts())
@@ -69,12 +52,11 @@ TEST(ContactReport, hasNoContactsOfPointsThatHaveNotTouched) {
 }
 
 TEST(ContactListener, tellsOfACubeThatFallsBouncesRestsAndIsLifted) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   CallRecorder recorder;
-  system.setContactListener(&recorder);
-  SoftBody* cube = addLightlyDampedCube(system, 1.5);
+  bullet.system.setContactListener(&recorder);
+  SoftBody* cube = addLightlyDampedCube(bullet.system, 1.5);
   cube->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bool touched = false;
   std::string expected;
@@ -98,12 +80,11 @@ TEST(ContactListener, tellsOfACubeThatFallsBouncesRestsAndIsLifted) {
 }
 
 TEST(ContactListener, aPairSumsUpItsContacts) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   CallRecorder recorder;
-  system.setContactListener(&recorder);
-  SoftBody* cube = addLightlyDampedCube(system, 0.5 + kRadius);
+  bullet.system.setContactListener(&recorder);
+  SoftBody* cube = addLightlyDampedCube(bullet.system, 0.5 + kRadius);
   bullet.simulate(0.5);
   const ContactPair& last = recorder.pairs.back();
   ASSERT_EQ(last.contacts, cube->contacts().size());
@@ -112,18 +93,17 @@ TEST(ContactListener, aPairSumsUpItsContacts) {
     sum += c.normalImpulse, largest = std::max(largest, c.normalImpulse);
   EXPECT_EQ(last.normalImpulse, sum);
   EXPECT_EQ(last.strongest.normalImpulse, largest);
-  if (test::kSurface) {
+  if (kSurface) {
     EXPECT_LT(last.strongest.side.triangle, cube->network().surface.size());
   }
 }
 
 TEST(ContactListener, sleepIsSilentAndAPartnerThatGoesEndsThePair) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   CallRecorder recorder;
-  system.setContactListener(&recorder);
-  SoftBody* cube = addLightlyDampedCube(system, 0.5 + kRadius);
+  bullet.system.setContactListener(&recorder);
+  SoftBody* cube = addLightlyDampedCube(bullet.system, 0.5 + kRadius);
   bullet.simulate(15.0);
   ASSERT_TRUE(cube->sleeping());
   const std::string calls = recorder.calls;
@@ -140,12 +120,11 @@ TEST(ContactListener, sleepIsSilentAndAPartnerThatGoesEndsThePair) {
 }
 
 TEST(ContactListener, twoSoftBodiesAreTwoPairsAndDestroyingOneEndsBoth) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   CallRecorder recorder;
-  SoftBody* a = addLightlyDampedCube(system, 0.0);
-  SoftBody* b = addLightlyDampedCube(system, 1.0 + 2 * kRadius + 0.001);
-  system.setContactListener(&recorder);
+  SoftBody* a = addLightlyDampedCube(bullet.system, 0.0);
+  SoftBody* b = addLightlyDampedCube(bullet.system, 1.0 + 2 * kRadius + 0.001);
+  bullet.system.setContactListener(&recorder);
   for (std::uint32_t i = 0; i < b->pointCount(); ++i) b->point(i)->setLinearVelocity(vec(0, -0.2, 0));
   for (int i = 0; i < 60 && recorder.calls.empty(); ++i) bullet.tick();
   ASSERT_EQ(recorder.calls, "bb");
@@ -153,7 +132,7 @@ TEST(ContactListener, twoSoftBodiesAreTwoPairsAndDestroyingOneEndsBoth) {
   EXPECT_EQ(recorder.pairs[0].otherBody, b);
   EXPECT_EQ(recorder.pairs[1].body, b);
   EXPECT_EQ(recorder.pairs[1].otherBody, a);
-  system.destroyBody(b);
+  bullet.system.destroyBody(b);
   EXPECT_EQ(recorder.calls, "bbee");
   EXPECT_EQ(recorder.pairs[2].body, a);
   EXPECT_EQ(recorder.pairs[3].body, b);
@@ -162,15 +141,14 @@ TEST(ContactListener, twoSoftBodiesAreTwoPairsAndDestroyingOneEndsBoth) {
 }
 
 TEST(ContactListener, aBodyThatTheApplicationTakesOutOfTheWorldEndsItsPairs) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   CallRecorder recorder;
-  system.setContactListener(&recorder);
-  SoftBody* cube = addLightlyDampedCube(system, 0.5 + kRadius);
-  SoftBody* second = addLightlyDampedCube(system, 5);
+  bullet.system.setContactListener(&recorder);
+  SoftBody* cube = addLightlyDampedCube(bullet.system, 0.5 + kRadius);
+  SoftBody* second = addLightlyDampedCube(bullet.system, 5);
   bullet.simulate(0.2);
-  btRigidBody* object = test::kSurface ? cube->surfaceObject() : cube->point(3);
+  btRigidBody* object = kSurface ? cube->surfaceObject() : cube->point(3);
   bullet.world->removeRigidBody(object);
   delete object;
   bullet.tick();
@@ -181,44 +159,42 @@ TEST(ContactListener, aBodyThatTheApplicationTakesOutOfTheWorldEndsItsPairs) {
 
 TEST(ContactListener, mayDestroyBodiesEvenTheLastAndRemovePartners) {
   for (const bool all : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     btRigidBody* floor = bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     CallRecorder recorder;
-    system.setContactListener(&recorder);
-    addLightlyDampedCube(system, 0.5 + kRadius);
-    addLightlyDampedCube(system, 0.5 + kRadius, 2.0);
+    bullet.system.setContactListener(&recorder);
+    addLightlyDampedCube(bullet.system, 0.5 + kRadius);
+    addLightlyDampedCube(bullet.system, 0.5 + kRadius, 2.0);
     recorder.onBegin = [&](const ContactPair& pair) {
       if (all)
-        system.removeAll();
+        bullet.system.removeAll();
       else
-        system.destroyBody(pair.body);
+        bullet.system.destroyBody(pair.body);
       if (floor->isInWorld()) bullet.world->removeRigidBody(floor);
     };
     bullet.simulate(0.5);
     // The first call removed the floor, which therefore cannot begin a contact with the second body.
     EXPECT_EQ(recorder.calls, "be");
-    EXPECT_EQ(system.bodyCount(), all ? 0u : 1u);
+    EXPECT_EQ(bullet.system.bodyCount(), all ? 0u : 1u);
   }
 }
 
 TEST(ContactListener, nobodyIsToldAfterItIsTakenBack) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   CallRecorder recorder;
-  system.setContactListener(&recorder);
-  addLightlyDampedCube(system, 0.5 + kRadius);
+  bullet.system.setContactListener(&recorder);
+  addLightlyDampedCube(bullet.system, 0.5 + kRadius);
   bullet.simulate(0.1);
   const std::string calls = recorder.calls;
   EXPECT_FALSE(calls.empty());
-  system.setContactListener(nullptr);
+  bullet.system.setContactListener(nullptr);
   bullet.simulate(0.1);
   EXPECT_EQ(recorder.calls, calls);
-  system.setContactListener(&recorder);
+  bullet.system.setContactListener(&recorder);
   bullet.tick();
   EXPECT_EQ(recorder.calls, calls + 'b');
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

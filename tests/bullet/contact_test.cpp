@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Bullet finds and solves the contacts: bounce, rest and friction of soft bodies on its shapes.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::lowest;
 
 enum class Floor { Plane, Box, Hull, TriangleMesh };
 
@@ -31,22 +21,14 @@ void addFloor(BulletWorld& bullet, Floor floor) {
   if (floor == Floor::TriangleMesh) bullet.addTriangleFloor();
 }
 
-double highest(const SoftBody& body) {
-  double y = -1e9;
-  for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::max(y, body.position(i).y());
-  return y;
-}
-
 class SoftCubeOn : public testing::TestWithParam<Floor> {};
 
 TEST_P(SoftCubeOn, bouncesAndComesToRest) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   addFloor(bullet, GetParam());
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.1, 1.5, 0.05};
+  SoftBodySettings s = settingsAt({0.1, 1.5, 0.05});
   s.rotation = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized());
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   const double radius = pointRadius(body->network(), body->settings());
   double deepest = 1e9, impact = 0, afterBounce = 0;
   bool bounced = false;
@@ -65,44 +47,27 @@ TEST_P(SoftCubeOn, bouncesAndComesToRest) {
   EXPECT_NEAR(lowest(*body), radius, 0.1 * radius) << "it rests on its points";
 }
 
-/// Returns the sum of the impulses (N s) in Bullet's manifolds.
-double impulsesInManifolds(const BulletWorld& bullet) {
-  double sum = 0.0;
-  for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *bullet.dispatcher.getManifoldByIndexInternal(m);
-    for (int p = 0; p < manifold.getNumContacts(); ++p)
-      sum += double(manifold.getContactPoint(p).m_appliedImpulse);
-  }
-  return sum;
-}
-
 TEST(SleepingCube, itsManifoldsKeepTheImpulsesOfTheLastTick) {
-  if (test::kSurface) GTEST_SKIP() << "only points have Bullet's manifolds";
-  BulletWorld bullet;
+  if (kSurface) GTEST_SKIP() << "only points have Bullet's manifolds";
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.0, 0.6, 0.0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({0.0, 0.6, 0.0}));
   for (int i = 0; i < 600 && !body->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(body->sleeping());
-  const double impulses = impulsesInManifolds(bullet);
+  const double impulses = bullet.impulsesInManifolds();
   EXPECT_GT(impulses, 0.0);
   bullet.simulate(1.0);
-  EXPECT_EQ(impulsesInManifolds(bullet), impulses);
+  EXPECT_EQ(bullet.impulsesInManifolds(), impulses);
 }
 
 /// Returns the height of the highest point of a frictionless cube at rest on the floor.
 double restHeight(Floor floor, double stiffness, double dt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   addFloor(bullet, floor);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.1, 0.52, 0.05};
+  SoftBodySettings s = settingsAt({0.1, 0.52, 0.05});
   s.friction = 0;
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.2 * std::sqrt(stiffness * 0.125);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  setSprings(s, stiffness, 0.2 * std::sqrt(stiffness * 0.125));
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(6.0, dt);
   return highest(*body);
@@ -126,12 +91,10 @@ TEST_P(SoftCubeOn, stiffCubesRestOnTheirPointsToo) {
 }
 
 TEST_P(SoftCubeOn, standsStillAndCarriesItsWeight) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   addFloor(bullet, GetParam());
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.1, 0.52, 0.05};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBodySettings s = settingsAt({0.1, 0.52, 0.05});
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(8.0);
   const double radius = pointRadius(body->network(), body->settings());
@@ -141,13 +104,9 @@ TEST_P(SoftCubeOn, standsStillAndCarriesItsWeight) {
     bullet.tick();
     deepest = std::min(deepest, lowest(*body));
     fastest = std::max(fastest, body->kineticEnergy());
-    for (int m = 0; m < bullet.dispatcher.getNumManifolds(); ++m) {
-      const btPersistentManifold* manifold = bullet.dispatcher.getManifoldByIndexInternal(m);
-      for (int p = 0; p < manifold->getNumContacts(); ++p)
-        impulse += double(manifold->getContactPoint(p).getAppliedImpulse());
-    }
+    impulse += bullet.impulsesInManifolds();
   }
-  if (!test::kSurface) {
+  if (!kSurface) {
     EXPECT_NEAR(impulse / 60.0 / 9.81, 1.0, 1e-4) << "Bullet's manifolds tell the weight, over a minute";
   }
   EXPECT_GT(deepest, 0.99 * radius) << "no point deeper than 1 % of its radius";
@@ -163,17 +122,14 @@ INSTANTIATE_TEST_SUITE_P(Floors, SoftCubeOn,
 TEST(Contact, holdsAndSlidesOnAnInclineAsCoulombSays) {
   const double mu = 0.5;
   for (double ratio : {0.97, 1.03, 1.3}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     const double angle = std::atan(ratio * mu);
-    bullet.world->setGravity(test::vec(9.81 * std::sin(angle), -9.81 * std::cos(angle), 0));
+    bullet.world->setGravity(vec(9.81 * std::sin(angle), -9.81 * std::cos(angle), 0));
     bullet.addPlaneFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = settingsAt({0, 0.5 + 0.02, 0});
     s.friction = mu;
-    s.extensionStiffness = s.compressionStiffness = 1e4;
-    s.damping = 5;
-    s.position = {0, 0.5 + 0.02, 0};
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    setSprings(s, 1e4, 5);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     body->point(0)->setActivationState(DISABLE_DEACTIVATION);
     bullet.simulate(1.0);
     const double start = body->centerOfMass().x(), speed = body->linearMomentum().x();
@@ -190,15 +146,12 @@ TEST(Contact, holdsAndSlidesOnAnInclineAsCoulombSays) {
 
 TEST(Contact, reboundIsThatOfTheConvergedReference) {
   const auto rebound = [](double stiffness, double dt, int substeps) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.02, 0};
-    s.extensionStiffness = s.compressionStiffness = stiffness;
-    s.damping = 0.04 * std::sqrt(stiffness * 0.125);
+    SoftBodySettings s = settingsAt({0, 1.02, 0});
+    setSprings(s, stiffness, 0.04 * std::sqrt(stiffness * 0.125));
     s.stepping.minSubsteps = substeps;
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     double highestAfter = 0;
     bool falls = false, rises = false;
     for (double t = 0; t < 1.0; t += dt) {
@@ -217,15 +170,13 @@ TEST(Contact, reboundIsThatOfTheConvergedReference) {
 }
 
 TEST(Contact, aMovingPlatformCarriesItsLoad) {
-  BulletWorld bullet;
-  btRigidBody* platform = bullet.addBox(test::vec(2, 0.1, 2), 0, test::vec(0, -0.1, 0));
+  SoftWorld bullet;
+  btRigidBody* platform = bullet.addBox(vec(2, 0.1, 2), 0, vec(0, -0.1, 0));
   platform->setCollisionFlags(platform->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
   platform->setActivationState(DISABLE_DEACTIVATION);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.52, 0};
+  SoftBodySettings s = settingsAt({0, 0.52, 0});
   s.friction = 1;
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
   const double radius = pointRadius(body->network(), body->settings());
   bullet.simulate(3.0);
   double phase = 0, deepest = 1;
@@ -234,7 +185,7 @@ TEST(Contact, aMovingPlatformCarriesItsLoad) {
     phase += 1.0 / 60;
     // up, down (slower than a free fall) and sideways, from rest
     const double up = 0.3 * (1 - std::cos(2 * phase)), side = 0.2 * (1 - std::cos(1.5 * phase));
-    btTransform pose(btQuaternion::getIdentity(), test::vec(side, up - 0.1, 0));
+    btTransform pose(btQuaternion::getIdentity(), vec(side, up - 0.1, 0));
     platform->setWorldTransform(pose);
     bullet.tick();
     deepest = std::min(deepest, lowest(*body) - up);
@@ -245,15 +196,13 @@ TEST(Contact, aMovingPlatformCarriesItsLoad) {
 
 TEST(Contact, aCornerHoldsAgainstTwoWalls) {
   // A point between a floor and a wall has two contact constraints, and must meet both.
-  BulletWorld bullet;
-  bullet.world->setGravity(test::vec(-6, -8, 0));
+  SoftWorld bullet;
+  bullet.world->setGravity(vec(-6, -8, 0));
   bullet.addBoxFloor();
   bullet.addBox(btVector3(1, 50, 50), 0, btVector3(-1, 0, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.6, 0.6, 0};
+  SoftBodySettings s = settingsAt({0.6, 0.6, 0});
   s.friction = 0;
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(8.0);
   const double radius = pointRadius(body->network(), body->settings());
@@ -266,12 +215,10 @@ TEST(Contact, aCornerHoldsAgainstTwoWalls) {
 
 TEST(Contact, aBodyPlacedInsideTheFloorComesOutGently) {
   for (double depth : {0.01, 0.05, 0.2}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 0.52 - depth, 0};
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBodySettings s = settingsAt({0, 0.52 - depth, 0});
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     double highestSpeed = 0;
     for (int i = 0; i < 240; ++i) {
       bullet.tick();
@@ -287,14 +234,12 @@ TEST(Contact, aBodyPlacedInsideTheFloorComesOutGently) {
 TEST(Contact, fastPointsAreStoppedByAThinPlate) {
   // 20 m/s is 33 cm per tick: without continuous collision all points pass through a plate of 2 cm
   for (double speed : {1.0, 2.0, 3.0, 5.0, 20.0, 50.0}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     bullet.addBox(btVector3(5, btScalar(0.01), 5), 0, btVector3(0, 0, 0));
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 2, 0};
+    SoftBodySettings s = settingsAt({0, 2, 0});
     s.linearVelocity = {0, -speed, 0};
     s.extensionStiffness = s.compressionStiffness = 1e4;
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     bullet.simulate(1.0);
     EXPECT_GT(lowest(*body), 0.0) << "speed " << speed;
   }
@@ -304,14 +249,12 @@ TEST(Contact, fastPointsAreStoppedByATriangleMesh) {
   // A mesh has no inside: a point that has passed through it is not pushed back. Some speeds are below and
   // some above the threshold of Bullet's swept test.
   for (double speed : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 30.0, 60.0}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     bullet.addTriangleFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0.11, 0.9, 0.07};
+    SoftBodySettings s = settingsAt({0.11, 0.9, 0.07});
     s.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized());
     s.linearVelocity = {0.3 * speed, -speed, 0};
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     for (int i = 0; i < 180; ++i) {
       bullet.tick();
       ASSERT_GT(lowest(*body), 0.0) << "speed " << speed << " tick " << i;
@@ -320,40 +263,36 @@ TEST(Contact, fastPointsAreStoppedByATriangleMesh) {
 }
 
 TEST(Contact, aFreeBoxLandsOnASoftCubeAndStays) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.52, 0};
+  SoftBodySettings s = settingsAt({0, 0.52, 0});
   s.extensionStiffness = s.compressionStiffness = 2000;
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
-  btRigidBody* plate = bullet.addBox(test::vec(0.7, 0.1, 0.7), 0.2, test::vec(0, 1.3, 0));
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
+  btRigidBody* plate = bullet.addBox(vec(0.7, 0.1, 0.7), 0.2, vec(0, 1.3, 0));
   bullet.simulate(5.0);
-  EXPECT_GT(double(plate->getWorldTransform().getOrigin().y()), 1.0);
-  EXPECT_LT(double(plate->getWorldTransform().getOrigin().y()), 1.15);
+  EXPECT_GT(heightOf(*plate), 1.0);
+  EXPECT_LT(heightOf(*plate), 1.15);
   EXPECT_GT(lowest(*body), 0.0);
 }
 
 TEST(Contact, pointsOfOneBodyPassThroughEachOther) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.4;  // neighbouring spheres overlap deeply
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   const std::uint64_t before = body->stateHash();
   bullet.simulate(0.5);
   EXPECT_EQ(body->stateHash(), before) << "at rest without forces nothing may move, to the bit";
 }
 
 TEST(Contact, pointsOfDifferentBodiesCollide) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.1;
-  SoftBody* left = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* left = bullet.addSoft(cubeNetwork(), s);
   s.position = {1.5, 0, 0};
   s.linearVelocity = {-1, 0, 0};
-  SoftBody* right = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* right = bullet.addSoft(cubeNetwork(), s);
   left->point(0)->setActivationState(DISABLE_DEACTIVATION);
   right->point(0)->setActivationState(DISABLE_DEACTIVATION);
   const double momentum = right->linearMomentum().x();
@@ -366,19 +305,17 @@ TEST(Contact, pointsOfDifferentBodiesCollide) {
 TEST(Contact, pointsBounceByTheRestitutionOfBothMaterials) {
   for (const bool free : {false, true}) {
     SCOPED_TRACE(free ? "a heavy plate that flies along" : "a floor");
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     // The plate cannot rotate. If it can move, it is 1e6 times as heavy as the body that hits it.
-    btRigidBody* plate = bullet.addBox(test::vec(3, 1, 3), free ? 1e6 : 0.0, test::vec(0, -1, 0));
+    btRigidBody* plate = bullet.addBox(vec(3, 1, 3), free ? 1e6 : 0.0, vec(0, -1, 0));
     plate->setAngularFactor(btScalar(0));
     plate->setRestitution(btScalar(0.75));
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = settingsAt({0, 0.5, 0});
     s.restitution = 0.8;
     s.damping = 0.0;
-    s.position = {0, 0.5, 0};
     s.linearVelocity = {0.5, -3, 0};
     s.friction = 0.0;
-    SoftBody* body = *system.createBody(test::pairNetwork(), s);  // both points hit at once
+    SoftBody* body = bullet.addSoft(pairNetwork(), s);  // both points hit at once
     bullet.simulate(0.5);
     // Each point rebounds with 0.6 of its speed, within the float rounding of Bullet's narrowphase.
     EXPECT_NEAR(body->velocity(0).y(), 0.6 * 3, 5e-5);
@@ -388,15 +325,13 @@ TEST(Contact, pointsBounceByTheRestitutionOfBothMaterials) {
 }
 
 TEST(Contact, groupsAndMasksAreTheUsers) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 1, 0};
+  SoftBodySettings s = settingsAt({0, 1, 0});
   s.collisionGroup = 1 << 7;
   s.collisionMask = 1 << 9;  // not the floor's group
-  SoftBody* ghost = *system.createBody(test::cubeNetwork(), s);
-  const btRigidBody* object = test::kSurface ? ghost->surfaceObject() : ghost->point(0);
+  SoftBody* ghost = bullet.addSoft(cubeNetwork(), s);
+  const btRigidBody* object = kSurface ? ghost->surfaceObject() : ghost->point(0);
   EXPECT_EQ(object->getBroadphaseHandle()->m_collisionFilterGroup, 1 << 7);
   EXPECT_EQ(object->getBroadphaseHandle()->m_collisionFilterMask, 1 << 9);
   bullet.simulate(1.0);
@@ -404,4 +339,4 @@ TEST(Contact, groupsAndMasksAreTheUsers) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

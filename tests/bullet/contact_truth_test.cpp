@@ -1,50 +1,32 @@
 // SPDX-License-Identifier: Zlib
 // Compares the contacts that bodies report with the laws of motion: weights, momenta, positions.
 #include "support/allocation_counter.h"
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::kRadius;
-using test::kTick;
-using test::vec;
 
 constexpr double kWeight = kGravity;  // N, of bodies of 1 kg
 
 SoftBodySettings weighedSettings(double height) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, height, 0};
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 5;
+  SoftBodySettings s = settingsAt({0, height, 0});
+  setSprings(s, 2000, 5);
   s.friction = 1;
   s.pointRadius = kRadius;
   return s;
 }
 
 SoftBody* addWeighedCube(SoftBodySystem& system, double height = 0.5 + kRadius) {
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), weighedSettings(height));
+  SoftBody* body = *system.createBody(fullCubeNetwork(), weighedSettings(height));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
 
 /// Adds a cube with a closed surface.
 SoftBody* addClosedCube(SoftBodySystem& system, double height) {
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), weighedSettings(height));
+  SoftBody* body = *system.createBody(closedCubeNetwork(), weighedSettings(height));
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
@@ -81,40 +63,24 @@ Sums meanOfAMinute(BulletWorld& bullet, const SoftBody& body, const btCollisionO
 // Relative. A body at rest has no momentum that could hide an error.
 constexpr double kTolerance = 1e-3;
 
-TEST(ContactTruth, aRestingCubeBearsItsWeightOnAPlane) {
-  BulletWorld bullet;
-  btRigidBody* floor = bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  const Sums mean = meanOfAMinute(bullet, *addWeighedCube(system), floor);
-  EXPECT_NEAR(mean.normal / (kWeight * kTick), 1.0, kTolerance);
-  EXPECT_NEAR(mean.impulse.x(), 0.0, kTolerance * kWeight * kTick);
-}
-
-TEST(ContactTruth, aRestingCubeBearsItsWeightOnABox) {
-  BulletWorld bullet;
-  btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  EXPECT_NEAR(meanOfAMinute(bullet, *addWeighedCube(system), floor).normal / (kWeight * kTick), 1.0,
-              kTolerance);
-}
-
-TEST(ContactTruth, aRestingCubeBearsItsWeightOnAFreeBox) {
-  BulletWorld bullet;
-  bullet.addBoxFloor();
-  btRigidBody* box = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
-  SoftBodySystem system(*bullet.world);
-  EXPECT_NEAR(meanOfAMinute(bullet, *addWeighedCube(system, 0.9 + kRadius), box).normal / (kWeight * kTick),
-              1.0, kTolerance);
+TEST(ContactTruth, aRestingCubeBearsItsWeight) {
+  enum { OnPlane, OnBox, OnFreeBox };
+  for (const int kind : {OnPlane, OnBox, OnFreeBox}) {
+    SoftWorld bullet;
+    btRigidBody* floor = kind == OnPlane ? bullet.addPlaneFloor() : bullet.addBoxFloor();
+    if (kind == OnFreeBox) floor = bullet.addAwakeBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
+    const double height = (kind == OnFreeBox ? 0.9 : 0.5) + kRadius;
+    const Sums mean = meanOfAMinute(bullet, *addWeighedCube(bullet.system, height), floor);
+    EXPECT_NEAR(mean.normal / (kWeight * kTick), 1.0, kTolerance) << kind;
+    EXPECT_NEAR(mean.impulse.x(), 0.0, kTolerance * kWeight * kTick) << kind;
+  }
 }
 
 TEST(ContactTruth, aFreeBoxOnACubeIsBorneByIt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addWeighedCube(system);
-  btRigidBody* box = bullet.addBox(vec(0.7, 0.1, 0.7), 0.5, vec(0, 1.1 + 2 * kRadius, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
+  SoftBody* cube = addWeighedCube(bullet.system);
+  btRigidBody* box = bullet.addAwakeBox(vec(0.7, 0.1, 0.7), 0.5, vec(0, 1.1 + 2 * kRadius, 0));
   const Sums onBox = meanOfAMinute(bullet, *cube, box);
   EXPECT_NEAR(onBox.impulse.y() / (-0.5 * kWeight * kTick), 1.0, kTolerance);
   Sums onFloor;
@@ -124,12 +90,11 @@ TEST(ContactTruth, aFreeBoxOnACubeIsBorneByIt) {
 }
 
 TEST(ContactTruth, aCubeOnACubeIsBorneByItAsBothTell) {
-  if (!test::kSurface) GTEST_SKIP() << "points of cubes do not rest on points";
-  BulletWorld bullet;
+  if (!kSurface) GTEST_SKIP() << "points of cubes do not rest on points";
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* lower = addClosedCube(system, 0.5 + kRadius);
-  SoftBody* upper = addClosedCube(system, 1.5 + 3 * kRadius);
+  SoftBody* lower = addClosedCube(bullet.system, 0.5 + kRadius);
+  SoftBody* upper = addClosedCube(bullet.system, 1.5 + 3 * kRadius);
   bullet.simulate(10.0);
   Sums up, down;
   const int ticks = 3600;
@@ -144,14 +109,13 @@ TEST(ContactTruth, aCubeOnACubeIsBorneByItAsBothTell) {
 }
 
 TEST(ContactTruth, theImpulsesOfACollisionAreTheChangesOfMomentumInBothBodiesReports) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   SoftBodySettings s = weighedSettings(0);
   s.linearVelocity = {0, 1, 0};
-  SoftBody* a = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* a = bullet.addSoft(closedCubeNetwork(), s);
   s.position = {0, 1.3, 0};
   s.linearVelocity = {0, -1, 0};
-  SoftBody* b = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* b = bullet.addSoft(closedCubeNetwork(), s);
   const Eigen::Vector3d before = a->linearMomentum();
   Sums onA, onB;
   for (int i = 0; i < 60; ++i) {
@@ -162,14 +126,14 @@ TEST(ContactTruth, theImpulsesOfACollisionAreTheChangesOfMomentumInBothBodiesRep
   }
   ASSERT_GT(onB.impulse.y(), 0.5);
   // Points in the world exchange their velocities with Bullet as floats, once per tick.
-  EXPECT_LT((a->linearMomentum() - before - onA.impulse).norm(), test::kSurface ? 1e-5 : 1e-4);
+  EXPECT_LT((a->linearMomentum() - before - onA.impulse).norm(), kSurface ? 1e-5 : 1e-4);
   EXPECT_LT((onA.impulse + onB.impulse).norm(), 1e-5);
 }
 
 TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
   const double angle = 0.3;
   for (const bool free : {false, true}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     // The incline is horizontal and gravity is tilted instead.
     bullet.world->setGravity(vec(kGravity * std::sin(angle), -kGravity * std::cos(angle), 0));
     btRigidBody* floor = bullet.addBoxFloor();
@@ -179,19 +143,18 @@ TEST(ContactTruth, frictionHoldsACubeOnAnIncline) {
       floor->setFriction(1);
       floor->setActivationState(DISABLE_DEACTIVATION);
     }
-    SoftBodySystem system(*bullet.world);
-    const Sums mean = meanOfAMinute(bullet, *addWeighedCube(system, (free ? 0.9 : 0.5) + kRadius), floor);
+    const Sums mean =
+        meanOfAMinute(bullet, *addWeighedCube(bullet.system, (free ? 0.9 : 0.5) + kRadius), floor);
     EXPECT_NEAR(mean.friction.x() / (-kWeight * std::sin(angle) * kTick), 1.0, kTolerance) << free;
     EXPECT_NEAR(mean.normal / (kWeight * std::cos(angle) * kTick), 1.0, kTolerance) << free;
   }
 }
 
 TEST(ContactTruth, aMarbleOnAFaceTellsTriangleAndPlace) {
-  if (!test::kSurface) GTEST_SKIP() << "faces are not in the world";
-  BulletWorld bullet;
+  if (!kSurface) GTEST_SKIP() << "faces are not in the world";
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addClosedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addClosedCube(bullet.system, 0.5 + kRadius);
   const double r = 0.1;
   btRigidBody* marble =
       bullet.add(std::make_unique<btSphereShape>(btScalar(r)), 0.05, vec(0.12, 1 + 2 * kRadius + r, 0.2));
@@ -222,10 +185,9 @@ TEST(ContactTruth, aMarbleOnAFaceTellsTriangleAndPlace) {
 }
 
 TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addClosedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addClosedCube(bullet.system, 0.5 + kRadius);
   bullet.simulate(5.0);
   ASSERT_EQ(cube->contacts().size(), 4u);
   for (const SoftContact& c : cube->contacts()) {
@@ -237,7 +199,7 @@ TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
     // one radius above the floor, within float rounding
     EXPECT_NEAR(point.y(), kRadius, 1e-5);
     EXPECT_NEAR(c.distance, 0.0, 1e-5);
-    if (!test::kSurface) {
+    if (!kSurface) {
       EXPECT_EQ(c.side.triangle, ContactSide::kNone);
       continue;
     }
@@ -249,10 +211,9 @@ TEST(ContactTruth, pointsNameThemselvesAndTheFloor) {
 }
 
 TEST(ContactTruth, aSleepingBodyKeepsItsContactsUntilTheirPartnerGoes) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), weighedSettings(0.5 + kRadius));
+  SoftBody* cube = bullet.addSoft(fullCubeNetwork(), weighedSettings(0.5 + kRadius));
   bullet.simulate(15.0);
   ASSERT_TRUE(cube->sleeping());
   EXPECT_EQ(cube->contacts().size(), 4u);
@@ -274,10 +235,9 @@ TEST(ContactTruth, contactsOfAWorldThatIsGoneAreGone) {
 TEST(ContactTruth, equalRunsTellTheSameBitForBit) {
   const auto run = [] {
     std::vector<double> values;
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBody* bodies[] = {addClosedCube(system, 0.6), addClosedCube(system, 1.8)};
+    SoftBody* bodies[] = {addClosedCube(bullet.system, 0.6), addClosedCube(bullet.system, 1.8)};
     bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 3, 0));
     for (int i = 0; i < 120; ++i) {
       bullet.tick(kTick);
@@ -297,19 +257,18 @@ TEST(ContactTruth, equalRunsTellTheSameBitForBit) {
 }
 
 TEST(ContactTruth, askingAllocatesNothingAfterWarmUp) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   ContactListener listener;
-  system.setContactListener(&listener);
-  system.reportManifolds(true);
+  bullet.system.setContactListener(&listener);
+  bullet.system.reportManifolds(true);
   std::vector<SoftBody*> bodies;
-  for (int i = 0; i < 4; ++i) bodies.push_back(addClosedCube(system, 0.5 + kRadius + i * (1 + 2 * kRadius)));
-  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 5, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
+  for (int i = 0; i < 4; ++i)
+    bodies.push_back(addClosedCube(bullet.system, 0.5 + kRadius + i * (1 + 2 * kRadius)));
+  bullet.addAwakeBox(vec(0.2, 0.2, 0.2), 1, vec(0.1, 5, 0));
   // until all bodies are at rest
   bullet.simulate(8.0);
-  const test::AllocationCounter counter;
+  const AllocationCounter counter;
   std::size_t contacts = 0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick(kTick);
@@ -320,4 +279,4 @@ TEST(ContactTruth, askingAllocatesNothingAfterWarmUp) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,29 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Bodies that slide over a static curved surface follow it without losing speed, at any tick.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::kPi;
-using test::kRadius;
-using test::vec;
 
 /// Adds a static cylinder along z through the origin, without friction.
 void addCylinder(BulletWorld& bullet, double radius) {
@@ -66,10 +52,9 @@ SoftBody* addRope(SoftBodySystem& system, const Hanging& h) {
   const auto count = static_cast<std::uint32_t>(network->restPoints.size());
   for (std::uint32_t i = 0; i + 1 < count; ++i)
     network->springs.push_back({i, i + 1, SpringKind::Structural, 1.0});
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.totalMass = total;
-  s.extensionStiffness = s.compressionStiffness = kStiffness;
-  s.damping = 1.0;
+  setSprings(s, kStiffness, 1.0);
   s.friction = 0.0;
   s.pointRadius = kRadius;
   SoftBody* rope = *system.createBody(network, s);
@@ -95,10 +80,9 @@ TEST(SurfaceCurves, aTautRopeRunsFreelyOverACylinder) {
   for (const double radius : {0.5, 0.1})
     for (const double rate : {60.0, 120.0, 240.0}) {
       SCOPED_TRACE(testing::Message() << radius << " m, " << rate << " Hz");
-      BulletWorld bullet;
+      SoftWorld bullet;
       addCylinder(bullet, radius);
-      SoftBodySystem system(*bullet.world);
-      SoftBody* rope = addRope(system, {radius, 2.0, 2.0, 1.0});
+      SoftBody* rope = addRope(bullet.system, {radius, 2.0, 2.0, 1.0});
       bullet.simulate(0.5, 1.0 / rate);
       // the part of the rope that has moved to the other side accelerates it: +0.3 %
       EXPECT_NEAR(speedOf(*rope), 1.003, 0.01);
@@ -108,10 +92,9 @@ TEST(SurfaceCurves, aTautRopeRunsFreelyOverACylinder) {
 TEST(SurfaceCurves, anAtwoodMachineFallsAsItMust) {
   for (const double rate : {60.0, 240.0}) {
     SCOPED_TRACE(rate);
-    BulletWorld bullet;
+    SoftWorld bullet;
     addCylinder(bullet, 0.1);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* rope = addRope(system, {0.1, 1.0, 2.0, 0.0});
+    SoftBody* rope = addRope(bullet.system, {0.1, 1.0, 2.0, 0.0});
     bullet.simulate(0.5, 1.0 / rate);
     // the heavier side's extension and the rope's own weight change it by less than 1 %
     EXPECT_NEAR(speedOf(*rope) / (kGravity / (3.0 + kRopeMass) * 0.5), 1.0, 0.015);
@@ -125,8 +108,7 @@ SoftBody* addBead(SoftBodySystem& system, double height, double speed) {
   network->restPoints = {{0, 0, -0.02}, {0, 0, 0.02}};
   network->massFractions = {0.5, 0.5};
   network->springs = {{0, 1, SpringKind::Structural, 1.0}};
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, height, 0};
+  SoftBodySettings s = settingsAt({0, height, 0});
   s.linearVelocity = {speed, 0, 0};
   s.friction = 0.0;
   s.pointRadius = kRadius;
@@ -138,14 +120,13 @@ TEST(SurfaceCurves, aBeadThatSlidesOffGainsWhatItFalls) {
   for (const bool sphere : {true, false})
     for (const double rate : {60.0, 240.0}) {
       SCOPED_TRACE(testing::Message() << (sphere ? "sphere" : "cylinder") << ", " << rate << " Hz");
-      BulletWorld bullet;
+      SoftWorld bullet;
       if (sphere)
         bullet.add(std::make_unique<btSphereShape>(btScalar(kRound)), 0, btVector3(0, 0, 0))->setFriction(0);
       else
         addCylinder(bullet, kRound);
-      SoftBodySystem system(*bullet.world);
       const double around = kRound + kRadius, top = sphere ? std::sqrt(around * around - 0.0004) : around;
-      SoftBody* bead = addBead(system, top, 0.5);
+      SoftBody* bead = addBead(bullet.system, top, 0.5);
       while (bead->position(0).y() > top * std::cos(0.7)) {
         bullet.tick(1.0 / rate);
         ASSERT_LT(bead->position(0).x(), 2.0);
@@ -163,18 +144,13 @@ double distance(const Vector3d& from, const Vector3d& to, const Vector3d& x) {
 }
 
 TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBox(vec(1, 0.5, 1), 0, vec(-1, -0.5, 0));  // its edge is the z axis
-  SoftBodySystem system(*bullet.world);
-  RopeSettings shape;
-  shape.length = 2.0;
-  shape.segments = 14;
-  SoftBodySettings s = test::testedSettings();
-  s.position = {-1.03, 0.3, 0.01};
+  SoftBodySettings s = settingsAt({-1.03, 0.3, 0.01});
   s.totalMass = 0.2;
   s.extensionStiffness = s.compressionStiffness = 2000.0;
   s.pointRadius = kRadius;
-  SoftBody* rope = *system.createBody(*buildRope(shape), s);
+  SoftBody* rope = bullet.addSoft(ropeNetwork(14, 2.0), s);
   double nearest = 1.0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -191,16 +167,14 @@ TEST(SurfaceCurves, theEdgeOfABoxDoesNotCutIntoARope) {
 /// final height, m.
 double heightOfCube(BulletWorld& bullet, double radius, double aside) {
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = 2e4;
-  s.damping = 20.0;
+  SoftBodySettings s = settingsAt({aside, 0.45, 0.5 * aside});
+  setSprings(s, 2e4, 20.0);
   s.friction = 1.0;
   s.pointRadius = radius;
-  s.position = {aside, 0.45, 0.5 * aside};
   s.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitY());
   TriangleMesh mesh = small_meshes::cube();
   for (Vector3d& p : mesh.positions) p *= 0.5;
-  const SoftBody* body = *system.createBody(*buildNetwork(mesh), s);
+  const SoftBody* body = *system.createBody(bracedNetwork(mesh), s);
   bullet.simulate(0.5);
   return body->centerOfMass().y();
 }
@@ -252,18 +226,14 @@ TEST(SurfaceCurves, aBallUnderTheMiddleOfAFaceCarriesIt) {
 TEST(SurfaceCurves, aCutClothOverABallComesToRest) {
   constexpr double kBall = 0.15;  // m
   for (const double aside : {0.0, 0.02, 0.04}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
     bullet.add(std::make_unique<btSphereShape>(btScalar(kBall)), 0, vec(0, kBall, 0));
-    SoftBodySystem system(*bullet.world);
-    ClothSettings grid;
-    grid.width = grid.depth = 0.6;
-    grid.columns = grid.rows = 6;
     SoftBodySettings s;
     s.position = {aside, 2.0 * kBall + 0.05, 0.01};
     s.totalMass = 0.2;
     s.pointRadius = 0.008;
-    SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
+    SoftBody* cloth = bullet.addSoft(squareCloth(6, 0.6), s);
     bullet.simulate(2.0);
     ASSERT_TRUE(cloth->cut(vec(0, 0, 0.11), vec(0.3, 0, 1)));
     bullet.simulate(8.0);
@@ -275,18 +245,14 @@ TEST(SurfaceCurves, aCutClothOverABallComesToRest) {
 /// around the rim of the inner radius; it sinks by a part of its own radius at most.
 TEST(SurfaceCurves, theRimOfACylinderCarriesACloth) {
   constexpr double kRound = 0.4, kHalf = 0.3, kThin = 0.0015;  // m
-  BulletWorld bullet;
+  SoftWorld bullet;
   auto shape = std::make_unique<btCylinderShape>(vec(kRound, kHalf, kRound));
   shape->setMargin(btScalar(0.001));
   bullet.add(std::move(shape), 0, vec(0, 0, 0));
-  SoftBodySystem system(*bullet.world);
-  ClothSettings grid;
-  grid.width = grid.depth = 1.2;
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0.01, kHalf + 0.05, 0.02};
+  SoftBodySettings s = settingsAt({0.01, kHalf + 0.05, 0.02});
   s.totalMass = 0.5;
   s.pointRadius = kThin;
-  SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
+  SoftBody* cloth = bullet.addSoft(squareCloth(16, 1.2), s);
   double deepest = -1.0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
@@ -332,20 +298,17 @@ void addPipe(BulletWorld& bullet) {
 /// Points that are pressed into the groove between two faces touch both, also where they touched one at the
 /// start of the tick. They were pressed through the other one, by a quarter of the radius.
 TEST(Pipe, aTightBallStaysInside) {
-  if (!test::kSurface) GTEST_SKIP() << "the points of a ball are not its surface";
+  if (!kSurface) GTEST_SKIP() << "the points of a ball are not its surface";
   TriangleMesh sphere = small_meshes::icosphere(2);
   for (Vector3d& x : sphere.positions) x *= 0.1;
-  MaterialMesh points;
-  points.points = 60;
-  const SharedNetwork network = *buildMaterialNetwork(sphere, points);
+  const SharedNetwork network = solidNetwork(sphere, 60);
   for (const double tick : {1.0 / 120.0, 1.0 / 30.0}) {
-    BulletWorld bullet(0.0);
+    SoftWorld bullet(0.0);
     addPipe(bullet);
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = *withMaterial(*network, {1e5, 0.4, 1000.0, 0.005});
     s.position = {-0.3, 0, 0};
     s.friction = 0.0;
-    SoftBody* ball = *system.createBody(network, s);
+    SoftBody* ball = bullet.addSoft(network, s);
     double outside = 0.0, farthest = 0.0;
     for (int i = 0; i < static_cast<int>(1.2 / tick) && farthest < 0.5; ++i) {
       const double force = 200.0 - 60.0 * ball->linearMomentum().x();
@@ -363,4 +326,4 @@ TEST(Pipe, aTightBallStaysInside) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // The output of soft bodies to the user's btIDebugDraw.
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 constexpr int kWireframe = btIDebugDraw::DBG_DrawWireframe, kAabb = btIDebugDraw::DBG_DrawAabb;
 constexpr int kContacts = btIDebugDraw::DBG_DrawContactPoints;
@@ -67,7 +57,7 @@ struct DebugDraw : testing::Test {
 };
 
 TEST_F(DebugDraw, showsEverySpringColouredByItsStrain) {
-  SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
+  SoftBody* body = *system.createBody(pairNetwork(), testedSettings());
   ASSERT_EQ(drawn(system, kWireframe).lines.size(), 1u);
   const DrawRecorder::Line rest = drawn(system, kWireframe).lines[0];
   EXPECT_NEAR(double(rest.from.distance(rest.to)), 1.0, 1e-6);
@@ -87,7 +77,7 @@ TEST_F(DebugDraw, showsEverySpringColouredByItsStrain) {
 }
 
 TEST_F(DebugDraw, marksPinnedPoints) {
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftBody* body = *system.createBody(cubeNetwork(), testedSettings());
   const std::size_t springs = body->network().springs.size();
   body->pin(3);
   bullet.tick();
@@ -95,10 +85,9 @@ TEST_F(DebugDraw, marksPinnedPoints) {
 }
 
 TEST_F(DebugDraw, drawsABoxAroundABodyWithItsRadius) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({1, 2, 3});
   s.pointRadius = 0.1;
-  s.position = {1, 2, 3};
-  system.createBody(test::pairNetwork(), s);
+  system.createBody(pairNetwork(), s);
   const DrawRecorder box = drawn(system, kAabb);
   ASSERT_EQ(box.lines.size(), 12u);
   EXPECT_TRUE(has(box, vec(0.9, 1.9, 2.9), vec(2.1, 1.9, 2.9)) ||
@@ -106,15 +95,13 @@ TEST_F(DebugDraw, drawsABoxAroundABodyWithItsRadius) {
 }
 
 TEST(DebugDrawContacts, areThoseOfTheLastTick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.52, 0};
+  SoftBodySettings s = settingsAt({0, 0.52, 0});
   s.pointRadius = 0.02;
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
   bullet.simulate(1.0);
-  const DrawRecorder recorder = drawn(system, kContacts);
+  const DrawRecorder recorder = drawn(bullet.system, kContacts);
   ASSERT_EQ(recorder.contacts.size(), cube->contacts().size());
   ASSERT_GE(recorder.contacts.size(), 4u);
   for (const DrawRecorder::Contact& contact : recorder.contacts) {
@@ -125,9 +112,7 @@ TEST(DebugDrawContacts, areThoseOfTheLastTick) {
 
 TEST_F(DebugDraw, drawsAnchorsAndSingleSpringsWithConstraints) {
   btRigidBody* box = bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, 1, 0));
-  SoftBodySettings s = test::testedSettings();
-  s.position = {3, 0, 0};
-  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  SoftBody* body = *system.createBody(pairNetwork(), settingsAt({3, 0, 0}));
   SpringSettings spring;
   ASSERT_TRUE(system.addSpring({box, vec(0, -0.1, 0)}, {nullptr, vec(0, 0.5, 0)}, spring));
   ASSERT_TRUE(system.attach(body, 0, *box, vec(0, 0.1, 0)));
@@ -138,14 +123,14 @@ TEST_F(DebugDraw, drawsAnchorsAndSingleSpringsWithConstraints) {
 }
 
 TEST_F(DebugDraw, isPartOfTheWorldsOwn) {
-  SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
+  SoftBody* body = *system.createBody(pairNetwork(), testedSettings());
   DrawRecorder recorder;
   bullet.world->setDebugDrawer(&recorder);
   bullet.world->debugDrawWorld();
   EXPECT_TRUE(recorder.lines.empty()) << "no mode, nothing drawn";
   recorder.mode = kWireframe;
   bullet.world->debugDrawWorld();
-  EXPECT_TRUE(has(recorder, test::vec(0, 0, 0), test::vec(1, 0, 0)));
+  EXPECT_TRUE(has(recorder, vec(0, 0, 0), vec(1, 0, 0)));
   system.destroyBody(body);
   recorder.lines.clear();
   bullet.world->debugDrawWorld();
@@ -154,4 +139,4 @@ TEST_F(DebugDraw, isPartOfTheWorldsOwn) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

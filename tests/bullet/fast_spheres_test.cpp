@@ -1,20 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Compares the closed form of sphere-box contacts with the distance of a point from a box.
-#include "support/bullet_world.h"
-#include "support/networks.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <random>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 /// Returns the distance (m) of a point from a box about the origin with edges rounded by `round`. The normal
 /// points out of the box.
@@ -89,25 +81,23 @@ TEST(FastSpheres, aSphereRestsOnABoxAndTheFunctionsOutliveTheCall) {
   btRigidBody* sphere = bullet.add(std::make_unique<btSphereShape>(btScalar(0.1)), 1, vec(0.3, 0.5, 0.2));
   bullet.simulate(3.0);
   // the rest height has the error of Bullet's penetration slop, which is 0, and of rounding
-  EXPECT_NEAR(double(sphere->getWorldTransform().getOrigin().y()), 0.1, 1e-4);
+  EXPECT_NEAR(heightOf(*sphere), 0.1, 1e-4);
   EXPECT_NEAR(double(sphere->getWorldTransform().getOrigin().x()), 0.3, 1e-4);
 }
 
 TEST(FastSpheres, aCubeOfPointsRestsOnAFreeBoxAsWithout) {
   double height[2];
   for (const bool fast : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     if (fast) useFastSphereAlgorithms(bullet.dispatcher);
     bullet.addBoxFloor();
-    btRigidBody* box = bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
-    box->setActivationState(DISABLE_DEACTIVATION);
-    SoftBodySystem system(*bullet.world);
+    bullet.addAwakeBox(vec(1, 0.2, 1), 2.0, vec(0, 0.2, 0));
     SoftBodySettings s;
     s.collision = Collision::Points;  // points are spheres to Bullet
     s.position = {0, 1.0, 0};
     s.damping = 5;
     s.pointRadius = 0.02;
-    SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
     bullet.simulate(5.0);
     height[fast] = cube->centerOfMass().y();
   }
@@ -116,4 +106,4 @@ TEST(FastSpheres, aCubeOfPointsRestsOnAFreeBoxAsWithout) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

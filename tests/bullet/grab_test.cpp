@@ -1,17 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Points of soft bodies that the user holds.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/grab.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,34 +8,26 @@
 #include <memory>
 #include <utility>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::kTick;
-using test::vec;
-
 SoftBody* addGrabbedCube(SoftBodySystem& system, double mass = 2.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = 5000;
-  s.damping = 20;
+  SoftBodySettings s = testedSettings();
+  setSprings(s, 5000, 20);
   s.totalMass = mass;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 TEST(Grab, aPointFollowsTheTargetAndTheReleasedBodyFalls) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addGrabbedCube(system);
+  SoftWorld bullet;
+  SoftBody* cube = addGrabbedCube(bullet.system);
   const Eigen::Vector3d start = cube->position(7);
-  Result<Grab> held = grab(system, cube, 7);
+  Result<Grab> held = grab(bullet.system, cube, 7);
   ASSERT_TRUE(held) << held.error();
   const auto placeAt = [&](double t) {
     return Eigen::Vector3d(start + Eigen::Vector3d(std::sin(2 * t), 0.5 * t, std::cos(2 * t) - 1));
   };
-  const double sag = kGravity / std::pow(2 * test::kPi * 4.0, 2);
+  const double sag = kGravity / std::pow(2 * kPi * 4.0, 2);
   for (int i = 0; i < 180; ++i) {
     const double t = kTick * i;
     const Eigen::Vector3d v = (placeAt(t + kTick) - placeAt(t)) / kTick;
@@ -68,17 +49,16 @@ TEST(Grab, aPointFollowsTheTargetAndTheReleasedBodyFalls) {
   EXPECT_NEAR(force, 2.0 * kGravity, 0.02 * 2.0 * kGravity);
   held->release();
   EXPECT_FALSE(held->holds());
-  EXPECT_EQ(system.springCount(), 0u);
+  EXPECT_EQ(bullet.system.springCount(), 0u);
   const double before = cube->centerOfMass().y(), speed = cube->linearMomentum().y() / 2.0;
   bullet.simulate(0.5);
   EXPECT_NEAR(cube->centerOfMass().y(), before + 0.5 * speed - 0.125 * kGravity, 0.05);
 }
 
 TEST(Grab, atRestItDoesNotOscillate) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* pair = addGrabbedCube(system);
-  Result<Grab> held = grab(system, pair, 0);
+  SoftWorld bullet(0.0);
+  SoftBody* pair = addGrabbedCube(bullet.system);
+  Result<Grab> held = grab(bullet.system, pair, 0);
   ASSERT_TRUE(held);
   const Eigen::Vector3d place = pair->position(0) + Eigen::Vector3d(0.2, 0, 0);
   double beyond = 0.0;
@@ -94,10 +74,9 @@ TEST(Grab, atRestItDoesNotOscillate) {
 /// A rope along the x axis that is pulled along itself.
 TEST(Grab, pullsStraightOverAnyDistance) {
   for (const double distance : {1.0, 10.0, 30.0}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* rope = *system.createBody(*buildRope(), test::testedSettings());
-    Result<Grab> held = grab(system, rope, 16);
+    SoftWorld bullet(0.0);
+    SoftBody* rope = bullet.addSoft(*buildRope());
+    Result<Grab> held = grab(bullet.system, rope, 16);
     ASSERT_TRUE(held);
     const Eigen::Vector3d end = rope->position(16);
     held->moveTo(vec(end.x() + distance, end.y(), end.z()));
@@ -110,36 +89,32 @@ TEST(Grab, pullsStraightOverAnyDistance) {
 }
 
 TEST(Grab, pullsNoMoreThanItsForce) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addGrabbedCube(system);
+  SoftBody* cube = addGrabbedCube(bullet.system);
   GrabSettings weak;
   weak.maxForce = 0.5 * 2.0 * kGravity;
-  Result<Grab> held = grab(system, cube, 7, weak);
+  Result<Grab> held = grab(bullet.system, cube, 7, weak);
   ASSERT_TRUE(held);
   for (int i = 0; i < 120; ++i) {
     held->moveTo(vec(0, 10, 0));
     bullet.tick();
   }
-  EXPECT_LT(test::lowest(*cube), 0.1) << "it is not lifted by half its weight";
+  EXPECT_LT(lowest(*cube), 0.1) << "it is not lifted by half its weight";
 }
 
 // The limit holds in each tick, not only in those with a moveTo().
 TEST(Grab, aSmallForceDoesNotHoldAHangingRope) {
   double depths[2];
   for (const bool moves : {false, true}) {
-    BulletWorld bullet(-kGravity);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftWorld bullet(-kGravity);
+    SoftBodySettings s = testedSettings();
     s.totalMass = 2.0;
     s.damping = 50.0;
-    RopeSettings rope;
-    rope.segments = 4;
-    SoftBody* body = *system.createBody(*buildRope(rope), s);
+    SoftBody* body = bullet.addSoft(ropeNetwork(4), s);
     GrabSettings weak;
     weak.maxForce = 10.0;
-    Result<Grab> held = grab(system, body, 0, weak);
+    Result<Grab> held = grab(bullet.system, body, 0, weak);
     ASSERT_TRUE(held);
     const btVector3 place = held->body()->point(0)->getCenterOfMassPosition();
     for (int i = 0; i < 120; ++i) {
@@ -155,12 +130,11 @@ TEST(Grab, aSmallForceDoesNotHoldAHangingRope) {
 /// The pull is limited to 10 N of 1 kg: with critical damping for each distance d it goes at up to
 /// sqrt(F d / m) / 2 = 11 m/s, and stops at the place.
 TEST(Grab, goesFarWithASmallForceAndStops) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addGrabbedCube(system, 1.0);
+  SoftWorld bullet(0.0);
+  SoftBody* cube = addGrabbedCube(bullet.system, 1.0);
   GrabSettings weak;
   weak.maxForce = 10.0;
-  Result<Grab> held = grab(system, cube, 7, weak);
+  Result<Grab> held = grab(bullet.system, cube, 7, weak);
   ASSERT_TRUE(held);
   const Eigen::Vector3d start = cube->position(7), place = start + Eigen::Vector3d(50, 0, 0);
   double beyond = 0.0;
@@ -177,10 +151,9 @@ TEST(Grab, goesFarWithASmallForceAndStops) {
 }
 
 TEST(Grab, itsForceIsWhatMovesTheBody) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addGrabbedCube(system, 1.0);
-  Result<Grab> held = grab(system, cube, 7);
+  SoftWorld bullet(0.0);
+  SoftBody* cube = addGrabbedCube(bullet.system, 1.0);
+  Result<Grab> held = grab(bullet.system, cube, 7);
   ASSERT_TRUE(held);
   const Eigen::Vector3d place = cube->position(7) + Eigen::Vector3d(0.5, 0, 0);
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero(), before = impulse;
@@ -217,29 +190,28 @@ TEST(Grab, survivesTheBodyAndTheSystem) {
 }
 
 TEST(Grab, refusesWhatIsNotThere) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addGrabbedCube(system);
-  EXPECT_FALSE(grab(system, SurfaceHit()));
-  EXPECT_FALSE(grab(system, nullptr, 0));
-  EXPECT_FALSE(grab(system, cube, 100));
+  SoftWorld bullet;
+  SoftBody* cube = addGrabbedCube(bullet.system);
+  EXPECT_FALSE(grab(bullet.system, SurfaceHit()));
+  EXPECT_FALSE(grab(bullet.system, nullptr, 0));
+  EXPECT_FALSE(grab(bullet.system, cube, 100));
   GrabSettings bad;
   bad.frequency = 0;
-  EXPECT_FALSE(grab(system, cube, 0, bad));
+  EXPECT_FALSE(grab(bullet.system, cube, 0, bad));
   cube->pin(0);
-  EXPECT_FALSE(grab(system, cube, 0));
-  EXPECT_EQ(system.springCount(), 0u);
+  EXPECT_FALSE(grab(bullet.system, cube, 0));
+  EXPECT_EQ(bullet.system.springCount(), 0u);
 }
 
 TEST(SurfaceGrab, holdsWhatARayHits) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addGrabbedCube(system);
+  SoftWorld bullet;
+  SoftBody* cube = addGrabbedCube(bullet.system);
   bullet.tick();
-  test::TriangleRay ray(vec(0.3, 0.2, 5), vec(0.3, 0.2, -5));
+  TriangleRay ray(vec(0.3, 0.2, 5), vec(0.3, 0.2, -5));
   bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
   ASSERT_TRUE(ray.hasHit());
-  Result<Grab> held = grab(system, surfaceHit(ray.m_collisionObject, ray.triangle, ray.m_hitPointWorld));
+  Result<Grab> held =
+      grab(bullet.system, surfaceHit(ray.m_collisionObject, ray.triangle, ray.m_hitPointWorld));
   ASSERT_TRUE(held);
   EXPECT_EQ(held->body(), cube);
   EXPECT_GT(cube->position(held->point()).z(), 0.0) << "on the front";
@@ -262,4 +234,4 @@ TEST(Grab, holdsNothingOnceTheWorldIsGone) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // Anchors and springs to bodies that nothing moves but the user: static, kinematic and frozen ones. Pins.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 enum class Link { Anchor, Spring };
 enum class Held { Static, Kinematic, Disabled };
@@ -59,7 +49,7 @@ struct LinkedToBox {
       EXPECT_TRUE(system.addSpring({soft->point(point)}, {box}, spring));
   }
 
-  double energy() const { return test::energyOf(*soft); }
+  double energy() const { return energyOf(*soft); }
 };
 
 /// Streaming of levels, or a shift of the origin: nothing has moved.
@@ -67,7 +57,7 @@ TEST(HeldPartners, placedTogetherWithABodyTheyDoNotPullIt) {
   for (const Link link : {Link::Anchor, Link::Spring})
     for (const Held how : {Held::Static, Held::Kinematic, Held::Disabled})
       for (const double distance : {5.0, 500.0}) {
-        LinkedToBox s(test::closedCubeNetwork(), test::testedSettings(), 0, vec(0, 2, 0), link, 0.0);
+        LinkedToBox s(closedCubeNetwork(), testedSettings(), 0, vec(0, 2, 0), link, 0.0);
         hold(s.bullet, *s.box, how);
         s.bullet.simulate(0.2);
         place(*s.box, vec(distance, 2, 0));
@@ -84,11 +74,9 @@ TEST(HeldPartners, placedTogetherWithABodyTheyDoNotPullIt) {
 TEST(HeldPartners, areFrozenWhereTheyAre) {
   for (const Link link : {Link::Anchor, Link::Spring})
     for (const Held how : {Held::Static, Held::Kinematic, Held::Disabled}) {
-      SoftBodySettings settings = test::testedSettings();
-      settings.position = {0, 5, 0};
-      settings.extensionStiffness = settings.compressionStiffness = 5000.0;
-      settings.damping = 10.0;
-      LinkedToBox s(test::chainNetwork(8), settings, 8, vec(0, 3.9, 0), link, -9.81);
+      SoftBodySettings settings = settingsAt({0, 5, 0});
+      setSprings(settings, 5000.0, 10.0);
+      LinkedToBox s(chainNetwork(8), settings, 8, vec(0, 3.9, 0), link, -9.81);
       s.soft->pin(0);
       s.bullet.simulate(1.0);
       s.box->setLinearVelocity(vec(3, 0, 0));
@@ -104,10 +92,10 @@ TEST(HeldPartners, areFrozenWhereTheyAre) {
 
 TEST(HeldPartners, pullWithTheForceOfTheAcceleration) {
   for (const double acceleration : {2.0, 20.0}) {
-    SoftBodySettings settings = test::testedSettings();
+    SoftBodySettings settings = testedSettings();
     settings.totalMass = 2.0;
     settings.damping = 20.0;
-    LinkedToBox s(test::closedCubeNetwork(), settings, 0, vec(0, 2, 0), Link::Anchor, -9.81);
+    LinkedToBox s(closedCubeNetwork(), settings, 0, vec(0, 2, 0), Link::Anchor, -9.81);
     for (std::uint32_t i = 1; i < 8; ++i) ASSERT_TRUE(s.system.attach(s.soft, i, *s.box));
     hold(s.bullet, *s.box, Held::Kinematic);
     double height = 2.0, speed = 0.0, force = 0.0;
@@ -128,30 +116,28 @@ TEST(HeldPartners, pullWithTheForceOfTheAcceleration) {
 
 /// Bodies whose shape springs, an inner pressure or tetrahedra keep.
 std::vector<std::pair<SharedNetwork, SoftBodySettings>> bodiesOnPins() {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.totalMass = 2.0;
   s.damping = 3.0;
   SoftBodySettings inflated = s;
   inflated.pressure = 200.0;
-  return {{test::closedCubeNetwork(), s},
-          {test::closedCubeNetwork(), inflated},
-          {test::tetrahedralCubeNetwork(), s},
-          {test::clothNetwork(6, 6), s}};
+  return {{closedCubeNetwork(), s},
+          {closedCubeNetwork(), inflated},
+          {tetrahedralCubeNetwork(), s},
+          {clothNetwork(6, 6), s}};
 }
 
 // It falls within the tick and takes along what lies on it; Bullet's rigid bodies stay 14 mm deep at 1/60 s.
 TEST(HeldPartners, carryWhatLiesOnThemWhenTheyArePlacedEachTick) {
   for (const double mass : {5.0, 500.0})
     for (const double tick : {1.0 / 60.0, 1.0 / 120.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
-      SoftBodySettings s = test::testedSettings();
+      SoftWorld bullet;
+      SoftBodySettings s = testedSettings();
       s.scale.setConstant(0.4);
       s.damping = 5.0;
       s.position = {0, 1.31, 0};
-      SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
-      btRigidBody* tray = bullet.addBox(vec(0.5, 0.1, 0.5), btScalar(mass), vec(0, 1, 0));
-      tray->setActivationState(DISABLE_DEACTIVATION);
+      SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
+      btRigidBody* tray = bullet.addAwakeBox(vec(0.5, 0.1, 0.5), btScalar(mass), vec(0, 1, 0));
       for (int i = 0; i * tick < 4.0; ++i) {
         place(*tray, vec(0, 1, 0));
         tray->setLinearVelocity(vec(0, 0, 0));
@@ -166,9 +152,8 @@ TEST(HeldPartners, carryWhatLiesOnThemWhenTheyArePlacedEachTick) {
 TEST(PinForce, bearsTheWeightAndChangesTheMomentum) {
   constexpr double kShort = 1.0 / 240.0;
   for (const auto& [network, settings] : bodiesOnPins()) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(network, settings);
+    SoftWorld bullet;
+    SoftBody* body = bullet.addSoft(network, settings);
     EXPECT_EQ(body->pinForce(0), vec(0, 0, 0));
     for (const std::uint32_t i : {0u, 3u}) ASSERT_TRUE(body->pin(i));
     bullet.simulate(2.0);
@@ -177,7 +162,7 @@ TEST(PinForce, bearsTheWeightAndChangesTheMomentum) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (int i = 0; i < 240; ++i) {
       // the forces of both ends of the tick
-      const auto force = [&] { return test::eigen(body->pinForce(0) + body->pinForce(3)); };
+      const auto force = [&] { return eigen(body->pinForce(0) + body->pinForce(3)); };
       const Eigen::Vector3d before = force();
       ASSERT_TRUE(i > 0 || body->stateHash() == hash);
       bullet.tick(kShort);
@@ -191,4 +176,4 @@ TEST(PinForce, bearsTheWeightAndChangesTheMomentum) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,31 +1,18 @@
 // SPDX-License-Identifier: Zlib
 // Closed soft bodies that are hollow keep in what is inside. Solid ones do not.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::lowest;
-using test::vec;
 
 SoftBodySettings settingsOf(double mass, double y) {
   SoftBodySettings s;
   s.position = {0, y, 0};
   s.totalMass = mass;
-  s.extensionStiffness = s.compressionStiffness = 2000.0 * mass;
-  s.damping = 2.0 * mass;
+  setSprings(s, 2000.0 * mass, 2.0 * mass);
   s.pointRadius = 0.02;
   return s;
 }
@@ -36,32 +23,31 @@ SoftBody* addBag(SoftBodySystem& system, double pressure, bool hollow) {
   s.volumeModulus = 0.0;
   s.pressure = pressure;
   s.hollow = hollow;
-  return *system.createBody(*buildNetwork(small_meshes::icosphere(1)), s);
+  return *system.createBody(bracedNetwork(small_meshes::icosphere(1)), s);
 }
 
 /// Returns the height (m) of the bag's skin below its content after a second and a half.
 double heightInside(double pressure, bool hollow, bool softContent, double tick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* bag = addBag(system, pressure, hollow);
+  SoftBody* bag = addBag(bullet.system, pressure, hollow);
   SoftBody* jelly = nullptr;
   btRigidBody* ball = nullptr;
   if (softContent) {
     SoftBodySettings s = settingsOf(0.5, 0.9);
     s.scale *= 0.3;
-    jelly = *system.createBody(test::closedCubeNetwork(), s);
+    jelly = bullet.addSoft(closedCubeNetwork(), s);
   } else {
     ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.15)), 0.5, vec(0, 0.9, 0));
   }
   bullet.simulate(1.5, tick);
   EXPECT_EQ(bag->restorations(), 0u);
-  const double content = jelly ? lowest(*jelly) : double(ball->getWorldTransform().getOrigin().y()) - 0.15;
+  const double content = jelly ? lowest(*jelly) : heightOf(*ball) - 0.15;
   return content - lowest(*bag);
 }
 
 TEST(Hollow, bodiesKeepInWhatIsInside) {
-  if (!test::kSurface) GTEST_SKIP() << "needs Collision::Surface";
+  if (!kSurface) GTEST_SKIP() << "needs Collision::Surface";
   for (const double tick : {1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0})
     for (const double pressure : {0.0, 500.0})
       for (const bool soft : {false, true})
@@ -70,19 +56,18 @@ TEST(Hollow, bodiesKeepInWhatIsInside) {
 }
 
 TEST(Hollow, solidBodiesDoNot) {
-  if (!test::kSurface) GTEST_SKIP() << "needs Collision::Surface";
+  if (!kSurface) GTEST_SKIP() << "needs Collision::Surface";
   for (const bool soft : {false, true}) EXPECT_LT(heightInside(0.0, false, soft, 1.0 / 60.0), 0.01) << soft;
 }
 
 TEST(Hollow, mayChangeWhileTheBodyLives) {
-  if (!test::kSurface) GTEST_SKIP() << "needs Collision::Surface";
-  BulletWorld bullet;
+  if (!kSurface) GTEST_SKIP() << "needs Collision::Surface";
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* bag = addBag(system, 500.0, true);
+  SoftBody* bag = addBag(bullet.system, 500.0, true);
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.15)), 0.5, vec(0, 0.9, 0));
   bullet.simulate(2.0);
-  EXPECT_GT(double(ball->getWorldTransform().getOrigin().y()), 0.15 + 0.03);
+  EXPECT_GT(heightOf(*ball), 0.15 + 0.03);
   SoftBodySettings s = bag->settings();
   s.hollow = false;
   ASSERT_TRUE(bag->change(s));
@@ -94,4 +79,4 @@ TEST(Hollow, mayChangeWhileTheBodyLives) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,31 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Bullet's filters, and shapes that change under a body at rest.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-#include <limber/spring_network.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 #include <memory>
 #include <utility>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kTick;
-
-SoftBodySettings restingAt(double height) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, height, 0};
-  return s;
-}
 
 // --- filters -----------------------------------------------------------------------------------------------
 
@@ -45,9 +27,9 @@ TEST(OverlapFilter, isAskedForWhatSoftBodiesTouch) {
   bullet.world->getPairCache()->setOverlapFilterCallback(&filter);
   filter.object = bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = restingAt(2.0);
+  SoftBodySettings s = settingsAt({0, 2.0, 0});
   s.linearVelocity = {0, -30, 0};  // beyond the boxes that the broadphase has computed
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = *system.createBody(closedCubeNetwork(), s);
   bullet.simulate(1.0);
   // free fall, within Bullet's rounding and the first half tick
   EXPECT_NEAR(body->centerOfMass().y(), 2.0 - 30.0 - 0.5 * 9.81, 0.15);
@@ -59,12 +41,12 @@ TEST(OverlapFilter, keepsASleeperAsleep) {
   bullet.world->getPairCache()->setOverlapFilterCallback(&filter);
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = restingAt(0.52);
+  SoftBodySettings s = settingsAt({0, 0.52, 0});
   s.damping = 5.0;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = *system.createBody(closedCubeNetwork(), s);
   for (int i = 0; i < 600 && !body->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(body->sleeping());
-  btRigidBody* bullets = bullet.addBox(test::vec(0.05, 0.05, 0.05), 1.0, test::vec(-5, 0.5, 0));
+  btRigidBody* bullets = bullet.addBox(vec(0.05, 0.05, 0.05), 1.0, vec(-5, 0.5, 0));
   bullet.world->removeRigidBody(bullets);
   filter.object = bullets;
   bullet.world->addRigidBody(bullets);
@@ -78,32 +60,30 @@ TEST(OverlapFilter, keepsASleeperAsleep) {
 }
 
 TEST(NoContactResponse, ofTheSoftBodyItselfIsHonoured) {
-  if (!test::kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
-  BulletWorld bullet;
+  if (!kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0.2, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), restingAt(2.0));
+  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(0, 0.2, 0));
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), settingsAt({0, 2.0, 0}));
   body->surfaceObject()->setCollisionFlags(body->surfaceObject()->getCollisionFlags() |
                                            btCollisionObject::CF_NO_CONTACT_RESPONSE);
   bullet.simulate(1.0);
   EXPECT_LT(body->centerOfMass().y(), -2.5);
-  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), 0.2, 0.01);
+  EXPECT_NEAR(heightOf(*box), 0.2, 0.01);
 }
 
 TEST(NoContactResponse, betweenSoftBodiesTheOrderOfCreationIsTheSame) {
-  if (!test::kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
+  if (!kSurface) GTEST_SKIP() << "a point mass has a flag of its own, which Bullet honours";
   for (const bool lowerFirst : {true, false})
     for (const bool ghostIsLower : {true, false}) {
-      BulletWorld bullet(0.0);
-      SoftBodySystem system(*bullet.world);
-      SoftBody* first = *system.createBody(test::closedCubeNetwork(), restingAt(lowerFirst ? 0.0 : 1.3));
-      SoftBody* second = *system.createBody(test::closedCubeNetwork(), restingAt(lowerFirst ? 1.3 : 0.0));
+      SoftWorld bullet(0.0);
+      SoftBody* first = bullet.addSoft(closedCubeNetwork(), settingsAt({0, lowerFirst ? 0.0 : 1.3, 0}));
+      SoftBody* second = bullet.addSoft(closedCubeNetwork(), settingsAt({0, lowerFirst ? 1.3 : 0.0, 0}));
       SoftBody *lower = lowerFirst ? first : second, *upper = lowerFirst ? second : first;
       btRigidBody* ghost = (ghostIsLower ? lower : upper)->surfaceObject();
       ghost->setCollisionFlags(ghost->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
       for (std::uint32_t i = 0; i < upper->pointCount(); ++i)
-        upper->point(i)->setLinearVelocity(test::vec(0, -2, 0));
+        upper->point(i)->setLinearVelocity(vec(0, -2, 0));
       bullet.simulate(1.0);
       EXPECT_EQ(lower->linearMomentum().norm(), 0.0) << lowerFirst << ghostIsLower;
     }
@@ -113,16 +93,15 @@ TEST(NoContactResponse, betweenSoftBodiesTheOrderOfCreationIsTheSame) {
 
 /// A cube at rest on a hull.
 struct RestingCube {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addHullFloor();
-  SoftBodySystem system{*bullet.world};
   SoftBody* body = nullptr;
   double before = 0.0;  ///< m, height of its centre
 
   RestingCube() {
-    SoftBodySettings s = restingAt(0.55);
+    SoftBodySettings s = settingsAt({0, 0.55, 0});
     s.damping = 5.0;
-    body = *system.createBody(test::closedCubeNetwork(), s);
+    body = bullet.addSoft(closedCubeNetwork(), s);
     body->point(0)->setActivationState(DISABLE_DEACTIVATION);
     bullet.simulate(1.0);
     before = body->centerOfMass().y();
@@ -131,13 +110,10 @@ struct RestingCube {
 
 TEST(ChangedShape, aHullThatGrowsLiftsWhatRestsOnIt) {
   RestingCube scene;
-  BulletWorld& bullet = scene.bullet;
-  btRigidBody* floor = scene.floor;
-  SoftBody* body = scene.body;
-  const double before = scene.before;
+  auto& [bullet, floor, body, before] = scene;
   btVector3 low, high, lowAfter, highAfter;
   floor->getCollisionShape()->getAabb(floor->getWorldTransform(), low, high);
-  floor->getCollisionShape()->setLocalScaling(test::vec(1, 1.01, 1));
+  floor->getCollisionShape()->setLocalScaling(vec(1, 1.01, 1));
   floor->getCollisionShape()->getAabb(floor->getWorldTransform(), lowAfter, highAfter);
   bullet.simulate(3.0);
   const double raised = double(highAfter.y() - high.y());
@@ -147,12 +123,9 @@ TEST(ChangedShape, aHullThatGrowsLiftsWhatRestsOnIt) {
 }
 
 TEST(ChangedShape, cornersMovedWithinTheBoundingBoxAreSeen) {
-  if (!test::kSurface) GTEST_SKIP() << "Bullet's own manifold keeps the contact, as under a rigid body";
+  if (!kSurface) GTEST_SKIP() << "Bullet's own manifold keeps the contact, as under a rigid body";
   RestingCube scene;
-  BulletWorld& bullet = scene.bullet;
-  btRigidBody* floor = scene.floor;
-  SoftBody* body = scene.body;
-  const double before = scene.before;
+  auto& [bullet, floor, body, before] = scene;
   // the bounding box stays the same; the top under the cube sinks by 0.1 m
   auto& hull = *static_cast<btConvexHullShape*>(floor->getCollisionShape());
   const auto box = [&] {
@@ -178,19 +151,18 @@ TEST(ChangedShape, anIdThatTheBroadphaseUsesAgainIsAnotherObject) {
   btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
   world.setGravity(btVector3(0, btScalar(-9.81), 0));
   btConvexHullShape hull;
-  for (int i = 0; i < 8; ++i)
-    hull.addPoint(test::vec(i & 1 ? 5 : -5, i & 2 ? 0 : -1, i & 4 ? 5 : -5), i == 7);
+  for (int i = 0; i < 8; ++i) hull.addPoint(vec(i & 1 ? 5 : -5, i & 2 ? 0 : -1, i & 4 ? 5 : -5), i == 7);
   SoftBodySystem system(world);
   const auto floorAt = [&](double y) {
     auto floor = std::make_unique<btRigidBody>(0, nullptr, &hull);
-    floor->getWorldTransform().setOrigin(test::vec(0, y, 0));
+    floor->getWorldTransform().setOrigin(vec(0, y, 0));
     world.addRigidBody(floor.get());
     return floor;
   };
   auto floor = floorAt(0.0);
-  SoftBodySettings s = restingAt(0.56);
+  SoftBodySettings s = settingsAt({0, 0.56, 0});
   s.damping = 5.0;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = *system.createBody(closedCubeNetwork(), s);
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   for (int i = 0; i < 60; ++i) world.stepSimulation(btScalar(kTick), 0);
   const int id = floor->getBroadphaseHandle()->m_uniqueId;
@@ -208,16 +180,15 @@ TEST(ChangedShape, anIdThatTheBroadphaseUsesAgainIsAnotherObject) {
 /// Whatever else has changed since the last tick, as here the springs.
 TEST(RemovedObject, endsTheBodyBeforeItIsSearchedForContacts) {
   for (const bool isFirst : {true, false}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.selfCollision = test::kSurface;
-    SoftBody *cloth = *system.createBody(*buildCloth(), s), *other = *system.createBody(*buildCloth(), s);
-    SpringConstraint* spring = *system.addSpring({nullptr}, {other->point(0)});
+    SoftWorld bullet;
+    SoftBodySettings s = testedSettings();
+    s.selfCollision = kSurface;
+    SoftBody *cloth = bullet.addSoft(*buildCloth(), s), *other = bullet.addSoft(*buildCloth(), s);
+    SpringConstraint* spring = *bullet.system.addSpring({nullptr}, {other->point(0)});
     bullet.tick();
     btRigidBody* object = cloth->surfaceObject() ? cloth->surfaceObject() : cloth->point(3);
     if (isFirst) bullet.world->removeRigidBody(object);
-    ASSERT_TRUE(system.removeSpring(spring));
+    ASSERT_TRUE(bullet.system.removeSpring(spring));
     if (!isFirst) bullet.world->removeRigidBody(object);
     bullet.simulate(0.2);
     EXPECT_FALSE(cloth->alive());
@@ -226,4 +197,4 @@ TEST(RemovedObject, endsTheBodyBeforeItIsSearchedForContacts) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

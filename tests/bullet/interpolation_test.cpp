@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Positions between ticks, for rendering at any frame rate.
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 /// m: rounding of float coordinates of a few metres.
 constexpr double kRounding = 2e-6;
@@ -25,7 +15,7 @@ struct InterpolationTest : ::testing::Test {
   SoftBodySystem system{*bullet.world};
 
   SoftBody* pair() {
-    Result<SoftBody*> body = system.createBody(test::pairNetwork(), test::testedSettings());
+    Result<SoftBody*> body = system.createBody(pairNetwork(), testedSettings());
     EXPECT_TRUE(body) << body.error();
     return *body;
   }
@@ -111,9 +101,7 @@ TEST_F(InterpolationTest, aPinGoesToItsTargetInTheNextTick) {
 TEST_F(InterpolationTest, sleepingBodiesStandStill) {
   bullet.world->setGravity(vec(0, -9.81, 0));
   bullet.addBoxFloor();
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.7, 0};
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = *system.createBody(closedCubeNetwork(), settingsAt({0, 0.7, 0}));
   bullet.simulate(8.0);
   ASSERT_TRUE(body->sleeping());
   EXPECT_EQ(at(*body, 3, 0.0), at(*body, 3, 1.0));
@@ -124,9 +112,9 @@ TEST_F(InterpolationTest, skinsFollow) {
                              {},
                              {},
                              {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
-  const Result<SharedNetwork> network = withSkin(*test::closedCubeNetwork(), mesh);
+  const Result<SharedNetwork> network = withSkin(*closedCubeNetwork(), mesh);
   ASSERT_TRUE(network) << network.error();
-  SoftBody* body = *system.createBody(*network, test::testedSettings());
+  SoftBody* body = *system.createBody(*network, testedSettings());
   move(*body, vec(0, 6, 0));
   bullet.tick();
   std::vector<float> half(std::size_t{3} * body->skinnedPointCount()), now = half;
@@ -145,4 +133,4 @@ TEST_F(InterpolationTest, ticksOfVariableLengthShowTheLastOne) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

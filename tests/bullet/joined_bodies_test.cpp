@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Springs that break, welds, skeletons, and ropes with heavy loads.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 #include <limits>
@@ -16,32 +8,28 @@
 #include <utility>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 // --- springs that break ------------------------------------------------------------------------------------
 
 /// A box that hangs by a spring which holds `force`, in N.
 double heightAfterASecond(double force, bool& broken) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-10.0);
   btRigidBody* box = bullet.addBox(vec(0.1, 0.1, 0.1), 2.0, vec(0, 0, 0));
   SpringSettings spring;
   spring.stiffness = 1e4;
   spring.damping = 200.0;
   spring.breakForce = force;
-  SpringConstraint* held = *system.addSpring({nullptr, vec(0, 1, 0)}, {box}, spring);
+  SpringConstraint* held = *bullet.system.addSpring({nullptr, vec(0, 1, 0)}, {box}, spring);
   bullet.simulate(1.0);
   broken = held->broken();
   if (broken) {
     EXPECT_EQ(held->force(), 0.0);
-    EXPECT_TRUE(system.changeSpring(held, held->settings()));
+    EXPECT_TRUE(bullet.system.changeSpring(held, held->settings()));
     EXPECT_FALSE(held->broken());
   }
-  return double(box->getCenterOfMassPosition().y());
+  return heightOf(*box);
 }
 
 TEST(BreakForce, aSpringBreaksUnderMoreThanItHolds) {
@@ -51,11 +39,10 @@ TEST(BreakForce, aSpringBreaksUnderMoreThanItHolds) {
   EXPECT_FALSE(broken);
   EXPECT_LT(heightAfterASecond(15.0, broken), -4.0);
   EXPECT_TRUE(broken);
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SpringSettings bad;
   bad.breakForce = -1.0;
-  EXPECT_EQ(system.addSpring({nullptr}, {bullet.addBox(vec(1, 1, 1), 1.0, vec(0, 0, 0))}, bad).error(),
+  EXPECT_EQ(bullet.system.addSpring({nullptr}, {bullet.addBox(vec(1, 1, 1), 1.0, vec(0, 0, 0))}, bad).error(),
             "breakForce is -1, must be from 0 to 1e18");
 }
 
@@ -64,12 +51,11 @@ TEST(BreakForce, aSpringBreaksUnderMoreThanItHolds) {
 /// Two cubes one above the other whose faces are welded, the upper one pinned.
 struct WeldedCubes {
   explicit WeldedCubes(double breakForce) : bullet(-10.0), system(*bullet.world) {
-    SoftBodySettings s = test::testedSettings();
-    s.extensionStiffness = s.compressionStiffness = 2000.0;
-    s.damping = 10.0;
-    upper = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBodySettings s = testedSettings();
+    setSprings(s, 2000.0, 10.0);
+    upper = *system.createBody(closedCubeNetwork(), s);
     s.position = {0, -1.05, 0};
-    lower = *system.createBody(test::closedCubeNetwork(), s);
+    lower = *system.createBody(closedCubeNetwork(), s);
     SpringSettings seam;
     seam.stiffness = 2000.0;
     seam.damping = 10.0;
@@ -117,13 +103,12 @@ btTransform bone(double x, double angle) {
 }
 
 TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork());
   const Eigen::Vector3d start[] = {body->position(0), body->position(1), body->position(2)};
   std::vector<btTransform> bones = {bone(0, 0), bone(1, 0)};
-  auto skeleton =
-      Skeleton::bind(system, *body, {{0, {{0, 1.0}}}, {1, {{1, 1.0}}}, {2, {{0, 0.5}, {1, 0.5}}}}, bones);
+  auto skeleton = Skeleton::bind(bullet.system, *body,
+                                 {{0, {{0, 1.0}}}, {1, {{1, 1.0}}}, {2, {{0, 0.5}, {1, 0.5}}}}, bones);
   ASSERT_TRUE(skeleton) << skeleton.error();
   for (int i = 0; i <= 30; ++i) {
     bones[1] = bone(1, 0.01 * i);
@@ -142,8 +127,8 @@ TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
   EXPECT_LT(body->velocity(0).norm(), 1e-9);
   skeleton->release();
   EXPECT_FALSE(body->pinned(0));
-  skeleton = Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, bones);
-  ASSERT_TRUE(system.destroyBody(body));
+  skeleton = Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}}}, bones);
+  ASSERT_TRUE(bullet.system.destroyBody(body));
   EXPECT_EQ(skeleton->moveTo(bones).error(), "the soft body of the skeleton has been destroyed");
 }
 
@@ -151,15 +136,12 @@ TEST(BoundSkeleton, pointsFollowTheirBonesByWeights) {
 struct LimitedCloth {
   LimitedCloth(double gravity, double maxDistance, double backStop, double side = 1.0)
       : bullet(gravity), system(*bullet.world), bones{bone(0, 0)} {
-    ClothSettings shape;
-    shape.columns = shape.rows = 6;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.totalMass = 0.1;
-    s.extensionStiffness = s.compressionStiffness = 100.0;
-    s.damping = 0.05;
+    setSprings(s, 100.0, 0.05);
     s.flow.linearDrag = 0.0;
     s.scale.x() = side;
-    body = *system.createBody(*buildCloth(shape), s);
+    body = *system.createBody(squareCloth(6), s);
     std::vector<BoundPoint> points;
     for (std::uint32_t i = 0; i < body->pointCount(); ++i)
       points.push_back({i, {{0, 1.0}}, maxDistance, backStop});
@@ -234,12 +216,12 @@ TEST(BoundSkeleton, limitedPointsKeepUpWithTheirBones) {
 TEST(BoundSkeleton, aTeleportTakesTheWholeBodyAlong) {
   LimitedCloth cloth(-10.0, 0.05, 0.01);
   cloth.bullet.simulate(2.0);
-  const double before = test::energyOf(*cloth.body);
+  const double before = energyOf(*cloth.body);
   cloth.bones[0].setOrigin(vec(30, 5, 0));
   ASSERT_TRUE(cloth.skeleton->moveTo(cloth.bones, true));
   cloth.bullet.simulate(0.2);
   EXPECT_NEAR(cloth.body->centerOfMass().x(), 30.0, 1e-3);
-  EXPECT_LT(test::energyOf(*cloth.body), before + 1e-4);
+  EXPECT_LT(energyOf(*cloth.body), before + 1e-4);
   cloth.skeleton->release();
   EXPECT_EQ(cloth.system.springCount(), 0u);
 }
@@ -247,15 +229,12 @@ TEST(BoundSkeleton, aTeleportTakesTheWholeBodyAlong) {
 /// Points on one line do not say how the body turns about it, nor does one point alone.
 TEST(BoundSkeleton, aTeleportByFewPointsTurnsNothing) {
   for (const std::uint32_t count : {1u, 4u}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    ClothSettings shape;
-    shape.columns = shape.rows = 6;
-    SoftBody* cloth = *system.createBody(*buildCloth(shape), test::testedSettings());
+    SoftWorld bullet(0.0);
+    SoftBody* cloth = bullet.addSoft(squareCloth(6));
     std::vector<BoundPoint> points;
     for (std::uint32_t i = 0; i < count; ++i) points.push_back({i, {{0, 1.0}}});
     std::vector<btTransform> bones{bone(0, 0)};
-    auto skeleton = Skeleton::bind(system, *cloth, points, bones);
+    auto skeleton = Skeleton::bind(bullet.system, *cloth, points, bones);
     ASSERT_TRUE(skeleton);
     bullet.tick();
     std::vector<Eigen::Vector3d> before;
@@ -311,33 +290,32 @@ TEST(BoundSkeleton, itMayOutliveTheBodyAndTheSystem) {
 }
 
 TEST(BoundSkeleton, badBindingsAreNamedAndPinNothing) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork());
   const std::vector<btTransform> bones = {bone(0, 0)};
-  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}, {99, {{0, 1.0}}}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}}, {99, {{0, 1.0}}}}, bones).error(),
             "bound point 1: there is no point 99");
-  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{3, 1.0}}}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{3, 1.0}}}}, bones).error(),
             "bound point 0: there is no bone 3");
-  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 0.7}}}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 0.7}}}}, bones).error(),
             "bound point 0: the weights do not sum to 1");
-  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}, {0, {{0, 1.0}}}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}}, {0, {{0, 1.0}}}}, bones).error(),
             "bound point 1: the point is bound twice");
-  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}, -1.0}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}, -1.0}}, bones).error(),
             "bound point 0: maxDistance must be from 0 to 1e6");
-  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}, 0.0, 0.1}}, bones).error(),
+  EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}, 0.0, 0.1}}, bones).error(),
             "bound point 0: a back stop needs a maxDistance above 0");
   const btScalar lostAt = std::numeric_limits<btScalar>::quiet_NaN();
   for (const btScalar x : {lostAt, btScalar(1e7)})
-    EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, {bone(x, 0)}).error(),
+    EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}}}, {bone(x, 0)}).error(),
               "bone 0 is not finite, or farther than 1e6 m");
   btTransform crushed = bones[0];
   crushed.setBasis(btMatrix3x3(0, 0, 0, 0, 0, 0, 0, 0, 0));
-  EXPECT_EQ(Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, {crushed}).error(),
+  EXPECT_EQ(Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}}}, {crushed}).error(),
             "bone 0 has a basis without volume");
   EXPECT_FALSE(body->pinned(0));
-  EXPECT_EQ(system.springCount(), 0u);
-  auto skeleton = Skeleton::bind(system, *body, {{0, {{0, 1.0}}}}, bones);
+  EXPECT_EQ(bullet.system.springCount(), 0u);
+  auto skeleton = Skeleton::bind(bullet.system, *body, {{0, {{0, 1.0}}}}, bones);
   EXPECT_EQ(skeleton->moveTo({}).error(), "0 bones, bound were 1");
   btTransform lost = bones[0];
   lost.setOrigin(vec(NAN, 0, 0));
@@ -359,16 +337,12 @@ struct BreakListener : ContactListener {
 /// A rope of 0.1 kg that hangs from a static box by an anchor, with a load of 2 kg at its lower end.
 struct HangingLoad {
   explicit HangingLoad(double breakForce) : bullet(-10.0), system(*bullet.world) {
-    RopeSettings shape;
-    shape.length = 1.0;
-    shape.segments = 5;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
     s.totalMass = 0.1;
-    s.extensionStiffness = s.compressionStiffness = 5e3;
-    s.damping = 20.0;
+    setSprings(s, 5e3, 20.0);
     s.flow.linearDrag = 0.0;
-    rope = *system.createBody(*buildRope(shape), s);
+    rope = *system.createBody(ropeNetwork(5, 1.0), s);
     hook = bullet.addBox(vec(0.1, 0.1, 0.1), 0.0, toBt(rope->position(0)) + vec(0, 0.1, 0));
     load = bullet.addBox(vec(0.1, 0.1, 0.1), 2.0, toBt(rope->position(5)) - vec(0, 0.1, 0));
     EXPECT_TRUE(system.attach(rope, 0, *hook, breakForce));
@@ -428,62 +402,52 @@ TEST(Anchors, theyBreakUnderMoreThanTheyHold) {
 
 /// A part of the rope lies within the body. Friction there must act on both at the same place.
 TEST(Anchors, aRopeFromTheMiddleOfASpinningBodyTakesNoAngularMomentum) {
-  if (!test::kSurface) GTEST_SKIP() << "points are balls that do not turn when friction acts on them";
+  if (!kSurface) GTEST_SKIP() << "points are balls that do not turn when friction acts on them";
   for (const bool ball : {false, true})
     for (const double length : {0.2, 1.0}) {
       SCOPED_TRACE(testing::Message() << (ball ? "ball, " : "box, ") << length << " m");
-      BulletWorld bullet(0.0);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(0.0);
       btRigidBody* body = ball ? bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 1.0, vec(0, 0, 0))
                                : bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(0, 0, 0));
       body->setActivationState(DISABLE_DEACTIVATION);
       body->setAngularVelocity(vec(0, 3, 0));
-      RopeSettings shape;
-      shape.segments = 8;
-      shape.length = length;
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = testedSettings();
       s.totalMass = 0.1;
       s.friction = 0.5;
-      SoftBody* rope = *system.createBody(*buildRope(shape), s);
-      ASSERT_TRUE(system.attach(rope, 0, *body));
-      const double spin = test::angularMomentumOf(*body).y();
+      SoftBody* rope = bullet.addSoft(ropeNetwork(8, length), s);
+      ASSERT_TRUE(bullet.system.attach(rope, 0, *body));
+      const double spin = angularMomentumOf(*body).y();
       bullet.simulate(5.0);
       // Bullet's floats
-      EXPECT_NEAR(rope->angularMomentum().y() + test::angularMomentumOf(*body).y(), spin, 1e-3 * spin);
+      EXPECT_NEAR(rope->angularMomentum().y() + angularMomentumOf(*body).y(), spin, 1e-3 * spin);
     }
 }
 
 /// Its last points are inside the ball, which pushed them out against the anchor: 73 to 150 N.
 TEST(Anchors, aRopeMayBeginInTheMiddleOfABall) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 8, 0};
+  SoftWorld bullet(-10.0);
+  SoftBodySettings s = settingsAt({0, 8, 0});
   s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
   s.damping = 5.0;
-  SoftBody* rope = *system.createBody(*buildRope({}), s);
+  SoftBody* rope = bullet.addSoft(*buildRope({}), s);
   const std::uint32_t last = rope->pointCount() - 1;
   ASSERT_TRUE(rope->pin(0));
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 2.0,
                                  vec(rope->position(last).x(), rope->position(last).y(), 0));
   ball->setActivationState(DISABLE_DEACTIVATION);
-  ASSERT_TRUE(system.attach(rope, last, *ball));
+  ASSERT_TRUE(bullet.system.attach(rope, last, *ball));
   bullet.simulate(20.0);
   EXPECT_NEAR(double(rope->anchorForce(last).y()), -20.0, 0.1) << "the weight of the ball";
   for (std::uint32_t i = 0; i < last; ++i) EXPECT_LT(rope->position(i + 1).y(), rope->position(i).y());
 }
 
 TEST(Anchors, anEdgeIsAttachedAsAWholeOrNotAtAll) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
-  ClothSettings shape;
-  shape.columns = shape.rows = 5;
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(-10.0);
+  SoftBodySettings s = testedSettings();
   s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitX()));
   s.totalMass = 0.5;
-  s.extensionStiffness = s.compressionStiffness = 2e3;
-  s.damping = 5.0;
-  SoftBody* cloth = *system.createBody(*buildCloth(shape), s);
+  setSprings(s, 2e3, 5.0);
+  SoftBody* cloth = bullet.addSoft(squareCloth(5), s);
   std::vector<std::uint32_t> edge;
   for (std::uint32_t i = 0; i < cloth->pointCount(); ++i)
     if (cloth->position(i).y() > 0.499) edge.push_back(i);
@@ -492,11 +456,11 @@ TEST(Anchors, anEdgeIsAttachedAsAWholeOrNotAtAll) {
   std::vector<std::uint32_t> twice = edge;
   twice.push_back(edge.front());
   const std::vector<std::uint8_t> before = cloth->saveState();
-  EXPECT_EQ(system.attach(cloth, twice, *rod).error(),
+  EXPECT_EQ(bullet.system.attach(cloth, twice, *rod).error(),
             "point " + std::to_string(edge.front()) + " is listed twice");
   EXPECT_FALSE(cloth->attached(edge.front()));
   EXPECT_EQ(cloth->saveState(), before) << "nor is it woken";
-  ASSERT_TRUE(system.attach(cloth, edge, *rod, 5.0));
+  ASSERT_TRUE(bullet.system.attach(cloth, edge, *rod, 5.0));
   bullet.simulate(10.0);
   double weight = 0.0;
   for (std::uint32_t i : edge) {
@@ -518,20 +482,15 @@ TEST(BreakForce, theListenerHearsOfEachBreakOnce) {
 }
 
 TEST(TearEvents, theListenerHearsOfEachTear) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-10.0);
   BreakListener listener;
-  system.setContactListener(&listener);
-  RopeSettings shape;
-  shape.length = 1.0;
-  shape.segments = 10;
-  SoftBodySettings s = test::testedSettings();
+  bullet.system.setContactListener(&listener);
+  SoftBodySettings s = settingsAt({0, 3, 0});
   s.totalMass = 1.0;
   s.extensionStiffness = s.compressionStiffness = 1000.0;
   s.elasticLimit.breakStrain = 0.01;
   s.elasticLimit.tear = true;
-  s.position = {0, 3, 0};
-  SoftBody* rope = *system.createBody(*buildRope(shape), s);
+  SoftBody* rope = bullet.addSoft(ropeNetwork(10, 1.0), s);
   ASSERT_TRUE(rope->pin(0));
   ASSERT_TRUE(rope->pin(10));
   std::size_t polled = 0;
@@ -542,31 +501,29 @@ TEST(TearEvents, theListenerHearsOfEachTear) {
   EXPECT_GT(listener.tears, 0u);
   EXPECT_EQ(listener.tears, polled);
   EXPECT_EQ(rope->pointCount(), 11u + polled);
-  system.setContactListener(nullptr);
+  bullet.system.setContactListener(nullptr);
 }
 
 // --- heavy loads -------------------------------------------------------------------------------------------
 
 TEST(HeavyLoad, aBoxOfATonHangsFromARopeOfAHundredGrams) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-10.0);
   RopeSettings shape;
   shape.length = 2.0;
   shape.segments = 20;
   shape.bendingScale = 0.0;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitZ()));
   s.totalMass = 0.1;
-  s.extensionStiffness = s.compressionStiffness = 2e7;
-  s.damping = 2e3;
-  SoftBody* rope = *system.createBody(*buildRope(shape), s);
+  setSprings(s, 2e7, 2e3);
+  SoftBody* rope = bullet.addSoft(*buildRope(shape), s);
   ASSERT_TRUE(rope->pin(0));
   btRigidBody* box = bullet.addBox(vec(0.3, 0.3, 0.3), 1000.0, vec(0, -2.3, 0));
-  ASSERT_TRUE(system.attach(rope, 20, *box, vec(0, 0.3, 0)));
+  ASSERT_TRUE(bullet.system.attach(rope, 20, *box, vec(0, 0.3, 0)));
   double lowest = 0.0, sum = 0.0;
   for (int i = 0; i < 240; ++i) {
     bullet.tick();
-    const double y = double(box->getCenterOfMassPosition().y());
+    const double y = heightOf(*box);
     lowest = std::min(lowest, y);
     sum += y / 240.0;
   }
@@ -578,27 +535,26 @@ TEST(HeavyLoad, aBoxOfATonHangsFromARopeOfAHundredGrams) {
 }
 
 TEST(HeavyLoad, aWinchLiftsItsLoad) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-10.0);
   btRigidBody* box = bullet.addBox(vec(0.1, 0.1, 0.1), 50.0, vec(0, -3, 0));
   SpringSettings cable;
   cable.stiffness = 1e5;
   cable.damping = 2e3;
   cable.action = SpringAction::ExtensionOnly;
   cable.restLength = 3.0;
-  SpringConstraint* winch = *system.addSpring({nullptr}, {box}, cable);
+  SpringConstraint* winch = *bullet.system.addSpring({nullptr}, {box}, cable);
   double before = 0.0;
   for (int i = 0; i < 240; ++i) {
     cable.restLength = 3.0 - 0.5 * i / 60.0;
-    ASSERT_TRUE(system.changeSpring(winch, cable));
+    ASSERT_TRUE(bullet.system.changeSpring(winch, cable));
     bullet.tick();
-    if (i == 179) before = double(box->getCenterOfMassPosition().y());
+    if (i == 179) before = heightOf(*box);
   }
-  const double height = double(box->getCenterOfMassPosition().y());
+  const double height = heightOf(*box);
   // at 0.5 m/s for 4 s; 500 N stretch the cable by 5 mm, and a tick's pull is 8 mm
   EXPECT_NEAR(height, -3.0 + 0.5 * 239 / 60.0 - 0.005, 0.01);
   EXPECT_NEAR(height - before, 0.5, 1e-3);
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,35 +1,20 @@
 // SPDX-License-Identifier: Zlib
 // Soft bodies attached to rigid bodies that touch other objects or hang on joints of Bullet's. Energy does
 // not rise, momentum is kept, and attached points stay in place.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <random>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::momentumOf;
-using test::vec;
-
 SoftBodySettings lightlyDamped(double stiffness, double mass) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.totalMass = mass;
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.04 * std::sqrt(stiffness * mass / 8);
+  setSprings(s, stiffness, 0.04 * std::sqrt(stiffness * mass / 8));
   s.friction = 0.5;
   return s;
 }
@@ -42,21 +27,19 @@ struct Glued {
 
 /// Lets a cube fall on the floor. One corner of it is attached to a box.
 void expectNoEnergyIsGained(const Glued& glued, double stiffness) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = lightlyDamped(stiffness, 1.0);
   s.position = {0, 2.5, 0};
-  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
-  btRigidBody* box = bullet.addBox(glued.half, 3.0, glued.position);
-  box->setActivationState(DISABLE_DEACTIVATION);
-  ASSERT_TRUE(system.attach(cube, 1, *box));
+  SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
+  btRigidBody* box = bullet.addAwakeBox(glued.half, 3.0, glued.position);
+  ASSERT_TRUE(bullet.system.attach(cube, 1, *box));
   const btVector3 pivot = box->getWorldTransform().inverse() * vec(0.5, 2.0, -0.5);
-  const double start = test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity);
+  const double start = energyOf(*cube, kGravity) + energyOf(*box, kGravity);
   double maxEnergy = start, separation = 0;
   for (int i = 0; i < 120; ++i) {
     bullet.tick();
-    maxEnergy = std::max(maxEnergy, test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity));
+    maxEnergy = std::max(maxEnergy, energyOf(*cube, kGravity) + energyOf(*box, kGravity));
     separation = std::max(separation, (cube->position(1) - eigen(box->getWorldTransform() * pivot)).norm());
   }
   EXPECT_LT(maxEnergy, 1.01 * start);
@@ -80,14 +63,13 @@ TEST(Glued, aCubeOnABoxNeverGainsEnergy) {
 
 TEST(Glued, keepsMomentumInAHit) {
   for (const double stiffness : {1e3, 1e5}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cube = *system.createBody(test::fullCubeNetwork(), lightlyDamped(stiffness, 1.0));
+    SoftWorld bullet(0.0);
+    SoftBody* cube = bullet.addSoft(fullCubeNetwork(), lightlyDamped(stiffness, 1.0));
     btRigidBody* box = bullet.addBox(vec(.3, .3, .3), 3.0, vec(0.82, -0.5, -0.5));
     btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.2)), 2.0, vec(2.5, -0.3, -0.4));
     for (btRigidBody* body : {box, ball}) body->setActivationState(DISABLE_DEACTIVATION);
     ball->setLinearVelocity(vec(-4, 0, 0));
-    ASSERT_TRUE(system.attach(cube, 1, *box));
+    ASSERT_TRUE(bullet.system.attach(cube, 1, *box));
     const auto momentum = [&]() -> Eigen::Vector3d {
       return momentumOf(*box) + momentumOf(*ball) + cube->linearMomentum();
     };
@@ -172,8 +154,7 @@ btTransform randomFrame(JointDice& dice) {
 /// Simulates a cube that is attached by a corner to a box on the joint. Nothing collides.
 void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
   JointDice dice(seed);
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   const double mass = dice.decades(-1, 1.5), softMass = dice.decades(-1, 1);
   btRigidBody* box = bullet.addBox(vec(dice.between(.1, .5), dice.between(.1, .5), dice.between(.1, .5)),
                                    mass, vec(0, 0, 0));
@@ -184,14 +165,14 @@ void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
   SoftBodySettings s = lightlyDamped(dice.decades(2.5, 5.5), softMass);
   s.collisionMask = 0;
   s.position = {dice.between(-.6, .6), dice.between(-.6, .6), dice.between(-.6, .6)};
-  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
   const auto corner = static_cast<std::uint32_t>(dice.between(0, 8));
-  ASSERT_TRUE(system.attach(cube, corner, *box));
-  const double start = test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity);
+  ASSERT_TRUE(bullet.system.attach(cube, corner, *box));
+  const double start = energyOf(*cube, kGravity) + energyOf(*box, kGravity);
   double maxEnergy = start;
   for (int i = 0; i < 2 * rate; ++i) {
     bullet.tick(1 / rate);
-    maxEnergy = std::max(maxEnergy, test::energyOf(*cube, kGravity) + test::energyOf(*box, kGravity));
+    maxEnergy = std::max(maxEnergy, energyOf(*cube, kGravity) + energyOf(*box, kGravity));
   }
   // relative to the energy of a fall of one metre
   EXPECT_LT(maxEnergy - start, 0.01 * (mass + softMass) * kGravity)
@@ -234,7 +215,7 @@ struct Driven {
     SoftBodySettings s = lightlyDamped(1e5, 1.0);
     s.collisionMask = 0;
     s.position = {0, -0.6, 0};
-    cube = *system.createBody(test::fullCubeNetwork(), s);
+    cube = *system.createBody(fullCubeNetwork(), s);
     for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
       if (cube->position(i).y() > -0.2) {
         EXPECT_TRUE(system.attach(cube, i, *box));
@@ -254,7 +235,7 @@ std::pair<double, double> energyGained(const MakeJoint& make, double rate) {
   Driven d(make);
   const auto energy = [&] {
     const double y = double(d.box->getWorldTransform().getOrigin().y());
-    return test::energyOf(*d.cube, kGravity) + test::energyOf(*d.box, kGravity) + 0.5 * kSpring * y * y;
+    return energyOf(*d.cube, kGravity) + energyOf(*d.box, kGravity) + 0.5 * kSpring * y * y;
   };
   const double start = energy();
   double maxGain = -HUGE_VAL, minGain = HUGE_VAL;
@@ -351,8 +332,7 @@ TEST(Joined, aStiffSpringOfBulletsSwingsAsFarAsItShould) {
 
 /// An arm of 2 kg and 1 m on an angular spring at its end, coupled to a soft body by a very weak spring.
 TEST(Joined, anAngularSpringOfBulletsSwingsAsFarAsItShould) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   btRigidBody* arm = bullet.addBox(vec(.5, .05, .05), 2.0, vec(.5, 0, 0));
   btRigidBody* base = bullet.addBox(vec(.01, .01, .01), 0, vec(0, 0, 50));
   arm->setActivationState(DISABLE_DEACTIVATION);
@@ -365,10 +345,10 @@ TEST(Joined, anAngularSpringOfBulletsSwingsAsFarAsItShould) {
   bullet.world->addConstraint(&joint, true);
   SoftBodySettings s = lightlyDamped(1e4, 1.0);
   s.position = {5, 0, 0};
-  SoftBody* cube = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(fullCubeNetwork(), s);
   SpringSettings weak;
   weak.stiffness = 1e-3;
-  ASSERT_TRUE(system.addSpring({arm}, {cube->point(0)}, weak));
+  ASSERT_TRUE(bullet.system.addSpring({arm}, {cube->point(0)}, weak));
   constexpr double kSpin = 0.5;  // rad/s
   arm->setAngularVelocity(vec(0, 0, kSpin));
   arm->setLinearVelocity(vec(0, 0.5 * kSpin, 0));
@@ -420,4 +400,4 @@ TEST(Joined, whatHangsOnAMovingKinematicBodyGoesAsFast) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

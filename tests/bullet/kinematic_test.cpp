@@ -1,26 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Kinematic bodies carry, push and hit soft bodies, at any speed and for every way to set them up in Bullet.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::kRadius;
-using test::kTick;
-using test::vec;
 
 /// The ways to make a body kinematic and to move it.
 enum class Idiom {
@@ -68,11 +57,9 @@ class Mover {
 
 /// Returns settings of a cube with a total mass of 1 kg.
 SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e4) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
+  SoftBodySettings s = settingsAt(position);
   s.totalMass = 1.0;
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.2 * std::sqrt(stiffness * 0.125);
+  setSprings(s, stiffness, 0.2 * std::sqrt(stiffness * 0.125));
   s.friction = 1.0;
   s.pointRadius = kRadius;
   return s;
@@ -88,19 +75,18 @@ TEST_P(KinematicIdioms, aLiftCarriesACube) {
   for (const double width : {0.6, 0.9, 2.0})
     for (const double speed : {1.0, 3.0}) {
       // a lift between point masses does not touch them
-      if (width < 1.0 && !test::kSurface) continue;
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      if (width < 1.0 && !kSurface) continue;
+      SoftWorld bullet;
       const double half = width / 2;
       Mover lift(bullet, std::make_unique<btBoxShape>(vec(half, 0.5, half)), at(vec(0, -0.5, 0)), GetParam());
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+      SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
       double height = 0;
       for (int i = 0; i < 60; ++i) {
         if (i >= 15) height += speed * kTick;
         lift.moveTo(at(vec(0, height - 0.5, 0)));
         bullet.tick();
         // at 3 m/s the contact forms within one tick, within the rounding of positions
-        ASSERT_GT(test::lowest(*cube), height + kRadius - 1e-3)
+        ASSERT_GT(lowest(*cube), height + kRadius - 1e-3)
             << "width " << width << " speed " << speed << " tick " << i;
       }
       // The cube is thrown upwards at first. By now it is on the lift again or still above it, with no more
@@ -111,10 +97,9 @@ TEST_P(KinematicIdioms, aLiftCarriesACube) {
 }
 
 TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Mover platform(bullet, std::make_unique<btBoxShape>(vec(1, 0.5, 1)), at(vec(0, -0.5, 0)), GetParam());
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
   double displacement = 0, speed = 0;
   for (int i = 0; i < 90; ++i) {
     // 3 m/s^2, below the limit of 9.81 m/s^2 for a friction of 1
@@ -130,11 +115,10 @@ TEST_P(KinematicIdioms, aConveyingPlatformTakesACubeAlong) {
 
 TEST_P(KinematicIdioms, aBodyThatIsPlacedElsewherePushesNothingOnItsWay) {
   for (const double distance : {3.0, 60.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.addPlaneFloor();
     Mover mover(bullet, std::make_unique<btBoxShape>(vec(0.3, 0.3, 0.3)), at(vec(-1.5, 0.5, 0)), GetParam());
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
     bullet.simulate(1.0);
     const double before = cube->centerOfMass().x();
     mover.moveTo(at(vec(distance - 1.5, 0.5, 0)));
@@ -146,16 +130,15 @@ TEST_P(KinematicIdioms, aBodyThatIsPlacedElsewherePushesNothingOnItsWay) {
 /// A paddle that starts at once at 7 m/s hits a cube in worlds of metres and of centimetres alike.
 TEST(PlacedKinematicBodies, thatOnlyMoveFastAreNotInAnyUnit) {
   for (const double unit : {1.0, 100.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.world->setGravity(vec(0, -9.81 * unit, 0));
-    SoftBodySystem system(*bullet.world);
     Mover paddle(bullet, std::make_unique<btBoxShape>(vec(0.03 * unit, 0.05 * unit, 0.05 * unit)),
                  at(vec(-0.2 * unit, 0.05 * unit, 0)), Idiom::Placed);
     SoftBodySettings s = cubeAt({0, 0.05 * unit, 0}, 1000.0);
     s.scale.setConstant(0.1 * unit);
     s.gravityFactor = 0.0;
     s.pointRadius = 0.003 * unit;
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
     bullet.simulate(0.1);
     for (int i = 1; i <= 6; ++i) {
       paddle.moveTo(at(vec((-0.2 + 7.0 * i / 60.0) * unit, 0.05 * unit, 0)));
@@ -167,12 +150,11 @@ TEST(PlacedKinematicBodies, thatOnlyMoveFastAreNotInAnyUnit) {
 
 TEST(PlacedKinematicBodies, pushNothingAtAnyDistance) {
   for (const double distance : {0.2, 1.0, 3.0, 60.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.addPlaneFloor();
     Mover mover(bullet, std::make_unique<btBoxShape>(vec(0.3, 0.3, 0.3)), at(vec(-0.9, 0.5, 0)),
                 Idiom::Placed);
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
     bullet.simulate(1.0);
     const double before = cube->centerOfMass().x();
     // at 0.2 m, 8 cm deep inside the cube, and only pushed out
@@ -191,15 +173,12 @@ TEST(PlacedKinematicBodies, pushNothingAtAnyDistance) {
 }
 
 TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Mover mover(bullet, std::make_unique<btSphereShape>(btScalar(0.1)), at(vec(0, 3, 0)), Idiom::Placed);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 3, 0};
-  SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
-  ASSERT_TRUE(system.attach(rope, 0, *mover.body()));
+  SoftBody* rope = bullet.addSoft(chainNetwork(8), settingsAt({0, 3, 0}));
+  ASSERT_TRUE(bullet.system.attach(rope, 0, *mover.body()));
   bullet.simulate(2.0);
-  const double energy = test::energyOf(*rope);
+  const double energy = energyOf(*rope);
   const Vector3d tip = rope->position(8);
   const btVector3 away = vec(40, 5, -3);
   mover.moveTo(at(vec(0, 3, 0) + away));
@@ -210,7 +189,7 @@ TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
   bullet.tick();
   EXPECT_LT((rope->position(8) - tip - Vector3d(40, 5, -3)).norm(), 0.2);
   // it goes on swinging: in a tick gravity changes the energy by little
-  EXPECT_NEAR(test::energyOf(*rope), energy, 0.3 * energy + 0.1);
+  EXPECT_NEAR(energyOf(*rope), energy, 0.3 * energy + 0.1);
 }
 
 /// With both of its poses in Bullet, as in games of endless roads and in rollbacks, between two steps in
@@ -218,10 +197,9 @@ TEST(PlacedKinematicBodies, takeARopeAlongThatIsPlacedWithThem) {
 TEST_P(KinematicIdioms, aMovingPlatformThatIsSetBackTakesACubeAlong) {
   constexpr double kSpeed = 0.5;  // m/s
   for (const double back : {0.3, 1.0, 2.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     Mover platform(bullet, std::make_unique<btBoxShape>(vec(9, 0.5, 9)), at(vec(0, -0.5, 0)), GetParam());
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0, 0.5 + kRadius, 0}));
     double x = 0;
     for (int i = 0; i < 150; ++i) {
       if (i == 90) {
@@ -246,21 +224,20 @@ TEST_P(KinematicIdioms, aLiftThatRisesInTheFirstStepCarriesACube) {
   if (GetParam() == Idiom::Asleep) GTEST_SKIP() << "what sleeps is seen to move from its second step on";
   for (const int ticks : {1, 2, 4})
     for (const bool mesh : {false, true}) {
-      BulletWorld bullet;
+      SoftWorld bullet;
       btTriangleMesh triangles;
       triangles.addTriangle(vec(-3, 0.5, -3), vec(3, 0.5, 3), vec(3, 0.5, -3));
       triangles.addTriangle(vec(-3, 0.5, -3), vec(-3, 0.5, 3), vec(3, 0.5, 3));
       std::unique_ptr<btCollisionShape> shape = std::make_unique<btBoxShape>(vec(3, 0.5, 3));
       if (mesh) shape = std::make_unique<btBvhTriangleMeshShape>(&triangles, true);
       Mover lift(bullet, std::move(shape), at(vec(0, -0.5, 0)), GetParam());
-      SoftBodySystem system(*bullet.world);
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5 + kRadius + 0.01, 0}));
+      SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0, 0.5 + kRadius + 0.01, 0}));
       for (int i = 1; i <= 60 / ticks; ++i) {
         lift.moveTo(at(vec(0, i * ticks * kTick - 0.5, 0)));
         bullet.world->stepSimulation(static_cast<btScalar>(ticks * kTick), ticks,
                                      static_cast<btScalar>(kTick));
       }
-      EXPECT_NEAR(test::lowest(*cube), 1.0 + kRadius, 2e-3) << ticks << " ticks a step, mesh " << mesh;
+      EXPECT_NEAR(lowest(*cube), 1.0 + kRadius, 2e-3) << ticks << " ticks a step, mesh " << mesh;
     }
 }
 
@@ -268,17 +245,16 @@ TEST_P(KinematicIdioms, severalTicksOfAStepAreOneMotion) {
   // A sleeping one is at its final pose after the first tick: the number of further ticks is unknown.
   for (const int ticks : {1, 2, 4}) {
     if (GetParam() == Idiom::Asleep && ticks > 1) break;
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0);
     Mover slab(bullet, std::make_unique<btBoxShape>(vec(2, 0.05, 2)), at(vec(0, -1, 0)), GetParam());
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0, 0.5, 0}));
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0, 0.5, 0}));
     const btScalar tick = btScalar(kTick / ticks);
     double height = -1;
     for (int i = 0; i < 30; ++i) {
       height += 3 * kTick;
       slab.moveTo(at(vec(0, height, 0)));
       bullet.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), ticks, tick);
-      ASSERT_GT(test::lowest(*cube), height + 0.05 + kRadius - 2e-3) << ticks << " ticks, step " << i;
+      ASSERT_GT(lowest(*cube), height + 0.05 + kRadius - 2e-3) << ticks << " ticks, step " << i;
     }
     // an elastic impact doubles the speed at most
     EXPECT_GT(cube->linearMomentum().y(), 2.9) << ticks;
@@ -293,7 +269,7 @@ INSTANTIATE_TEST_SUITE_P(All, KinematicIdioms,
 
 enum class Kind { Box, Hull, Cylinder, Compound, Mesh, ScaledMesh };
 
-const char* nameOf(Kind kind) {
+const char* kindName(Kind kind) {
   const char* names[] = {"box", "hull", "cylinder", "compound", "mesh", "scaled mesh"};
   return names[static_cast<int>(kind)];
 }
@@ -354,24 +330,23 @@ TEST_P(KinematicSlabs, doNotPassABodyAtRest) {
   };
   for (const Shot& shot : {Shot{0.1, 4}, {0.2, 8}, {0.4, 10}, {0.6, 20}})
     for (const double phase : {0.1, 0.6}) {
-      BulletWorld bullet(0);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(0);
       const double half = shot.thickness / 2, displacement = shot.speed * kTick;
       double height = -half - 0.5 - kRadius - (4 + phase) * displacement;
       Mover slab(bullet, slabOf(GetParam(), bullet, vec(1.5, half, 1.5)), at(vec(0, height, 0)),
                  Idiom::Placed);
       SoftBodySettings s = cubeAt({0.1, 0, 0.05}, 1e4);
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
       for (int i = 0; i < 20; ++i) {
         height += displacement;
         slab.moveTo(at(vec(0, height, 0)));
         bullet.tick();
         // contacts of points with hulls and meshes come from Bullet's narrowphase, with errors of some mm
-        ASSERT_GT(test::lowest(*cube), height + half)
-            << nameOf(GetParam()) << " of " << shot.thickness << " m at " << shot.speed << " m/s, tick " << i;
+        ASSERT_GT(lowest(*cube), height + half) << kindName(GetParam()) << " of " << shot.thickness
+                                                << " m at " << shot.speed << " m/s, tick " << i;
       }
       // In Bullet a triangle also holds back a point mass behind it, in the tick of the impact.
-      EXPECT_GT(cube->linearMomentum().y(), (test::kSurface ? 0.95 : 0.9) * shot.speed);
+      EXPECT_GT(cube->linearMomentum().y(), (kSurface ? 0.95 : 0.9) * shot.speed);
       // an elastic impact doubles the speed at most
       EXPECT_LT(cube->linearMomentum().y(), 2.05 * shot.speed);
     }
@@ -379,10 +354,9 @@ TEST_P(KinematicSlabs, doNotPassABodyAtRest) {
 
 TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
   for (const double spin : {3.0, 8.0}) {
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0);
     Mover paddle(bullet, slabOf(GetParam(), bullet, vec(1.5, 0.1, 1.5)), at(vec(0, 0, 0)), Idiom::Placed);
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({0.7, 1.0, 0}));
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({0.7, 1.0, 0}));
     double angle = 0;
     for (int i = 0; angle < 1.6; ++i) {
       angle += spin * kTick;
@@ -395,7 +369,7 @@ TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
         if (along.dot(x) < 1.4 && along.dot(x) > 0.1) {
           // a point collides with the plane at the start of the tick, an error of (spin tick)^2 of 1.4 m
           ASSERT_GT(across.dot(x), 0.1 + kRadius - 0.01 - 1.4 * spin * spin * kTick * kTick)
-              << nameOf(GetParam()) << " at " << spin << " rad/s, tick " << i << " point " << p;
+              << kindName(GetParam()) << " at " << spin << " rad/s, tick " << i << " point " << p;
         }
       }
     }
@@ -408,11 +382,10 @@ TEST_P(KinematicSlabs, turningOnesSweepABodyAway) {
 /// The table speeds up slowly until the centripetal acceleration at the cube is `share` of what friction
 /// holds. `loaded`: with a rigid box on the cube.
 double distanceOnTurntable(Kind kind, double share, bool loaded, double tick) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Mover table(bullet, slabOf(kind, bullet, vec(2.5, 0.1, 2.5)), at(vec(0, -0.1, 0)), Idiom::Placed);
   table.body()->setFriction(btScalar(0.5));
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeAt({1.5, 0.5 + kRadius, 0}));
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeAt({1.5, 0.5 + kRadius, 0}));
   if (loaded) bullet.addBox(vec(0.3, 0.1, 0.3), 0.2, vec(1.5, 1.12 + kRadius, 0))->setFriction(1);
   const double fastest = std::sqrt(share * 0.5 * 9.81 / 1.5), start = 3.0;
   double angle = 0.0, distance = 0.0;
@@ -427,7 +400,7 @@ double distanceOnTurntable(Kind kind, double share, bool loaded, double tick) {
 }
 
 TEST_P(KinematicSlabs, turningOnesHoldABodyAsFarAsFrictionDoesAtAnyTick) {
-  if (!test::kSurface) GTEST_SKIP() << "Bullet's contacts take one velocity for a tick";
+  if (!kSurface) GTEST_SKIP() << "Bullet's contacts take one velocity for a tick";
   for (const double tick : {1.0 / 60.0, 1.0 / 15.0}) {
     const bool loaded = tick > kTick;
     // the cube leans outwards by some mm, and its springs creep where points slip before others
@@ -461,19 +434,16 @@ double deepestSpring(const SoftBody& cloth, const btTransform& pose, double half
 /// must not cut into them. It did by up to 3.8 cm when edges and triangles collided with kinematic bodies
 /// only once per tick.
 TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
-  if (!test::kSurface) GTEST_SKIP() << "springs of points do not collide";
-  ClothSettings cells;
-  cells.columns = cells.rows = 12;
-  const SharedNetwork network = *buildCloth(cells);
+  if (!kSurface) GTEST_SKIP() << "springs of points do not collide";
+  const SharedNetwork network = squareCloth(12);
   for (const double speed : {5.0, 10.0})
     for (int k = 0; k < 8; ++k) {
-      BulletWorld bullet(0);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(0);
       SoftBodySettings s = cubeAt({0.039 * k, 0, 0.021 * k}, 500);
       s.totalMass = 0.3;
       s.damping = 0.05;
       s.pointRadius.reset();
-      SoftBody* cloth = *system.createBody(network, s);
+      SoftBody* cloth = bullet.addSoft(network, s);
       btTransform pose(btQuaternion(vec(1, 0.3, 0.2).normalized(), btScalar(0.3 + 0.6 * k)), vec(0, -0.6, 0));
       Mover box(bullet, std::make_unique<btBoxShape>(vec(0.2, 0.2, 0.2)), pose, Idiom::Placed);
       for (int i = 0; i * speed * kTick < 1.6; ++i) {
@@ -489,18 +459,15 @@ TEST(KinematicBoxes, aCornerDoesNotCutIntoACloth) {
 /// A cloth falls on a static box. The sizes are such that the corners of the hull that Bullet makes of the
 /// box are inside it, by 1e-4 of its size.
 TEST(StaticBoxes, ofAllSizesHoldTheSpringsOfACloth) {
-  if (!test::kSurface) GTEST_SKIP() << "springs of points do not collide";
-  ClothSettings cells;
-  cells.columns = cells.rows = 12;
+  if (!kSurface) GTEST_SKIP() << "springs of points do not collide";
   for (const double half : {0.20, 0.21, 0.24, 0.35}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     SoftBodySettings s = cubeAt({0.01, half + 0.05, 0.02}, 500);
     s.totalMass = 0.3;
     s.damping = 0.05;
     s.scale.setConstant(2.0 * half + 0.6);
     s.pointRadius.reset();
-    SoftBody* cloth = *system.createBody(*buildCloth(cells), s);
+    SoftBody* cloth = bullet.addSoft(squareCloth(12), s);
     bullet.addBox(vec(half, half, half), 0, vec(0, 0, 0));
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
@@ -511,4 +478,4 @@ TEST(StaticBoxes, ofAllSizesHoldTheSpringsOfACloth) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,63 +1,29 @@
 // SPDX-License-Identifier: Zlib
 // Springs between any bodies, pins, and points attached to rigid bodies.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::angularMomentumOf;
-using test::BulletWorld;
-using test::eigen;
-using test::kTick;
-using test::momentumOf;
 
 void keepAwake(SoftBody& body) { body.point(0)->setActivationState(DISABLE_DEACTIVATION); }
 
 // --- springs -----------------------------------------------------------------------------------------------
 
-TEST(Spring, hangsARigidBodyAtMgOverK) {
-  BulletWorld bullet;
-  btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 2.0, btVector3(0, 0, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
-  SoftBodySystem system(*bullet.world);
-  SpringSettings s;
-  s.restLength = 1.0;
-  s.stiffness = 5e3;
-  s.damping = 40;
-  // from the centre of the box to a point of the world one metre above
-  SpringConstraint* spring = *system.addSpring({box}, {nullptr, btVector3(0, 1, 0)}, s);
-  bullet.simulate(5.0);
-  const double sag = 2.0 * 9.81 / 5e3;
-  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), -sag, 1e-5);
-  EXPECT_NEAR(spring->force(), 2.0 * 9.81, 1e-2);
-  EXPECT_NEAR(double(spring->length()), 1.0 + sag, 1e-5);
-}
-
 TEST(Spring, twoRigidBodiesSwingWithTheReducedMass) {
-  BulletWorld bullet(0.0);
-  btRigidBody* a = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1.0, test::vec(0, 0, 0));
-  btRigidBody* b = bullet.addBox(test::vec(0.1, 0.1, 0.1), 3.0, test::vec(1.1, 0, 0));
+  SoftWorld bullet(0.0);
+  btRigidBody* a = bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, 0, 0));
+  btRigidBody* b = bullet.addBox(vec(0.1, 0.1, 0.1), 3.0, vec(1.1, 0, 0));
   a->setActivationState(DISABLE_DEACTIVATION);
   b->setActivationState(DISABLE_DEACTIVATION);
-  SoftBodySystem system(*bullet.world);
   SpringSettings s;
   s.restLength = 1.0;
   s.stiffness = 30.0;
-  ASSERT_TRUE(system.addSpring({a}, {b}, s));
+  ASSERT_TRUE(bullet.system.addSpring({a}, {b}, s));
   const double period = 2 * M_PI * std::sqrt(0.75 / 30.0);
   double before = 0.1, last = 0;
   int crossings = 0;
@@ -77,18 +43,17 @@ TEST(Spring, twoRigidBodiesSwingWithTheReducedMass) {
 }
 
 TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   // cubes: with equal moments of inertia a free body has a constant angular velocity, as Bullet assumes
-  btRigidBody* a = bullet.addBox(test::vec(0.3, 0.3, 0.3), 2.0, test::vec(0, 0, 0));
-  btRigidBody* b = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(2, 0.5, 0));
+  btRigidBody* a = bullet.addBox(vec(0.3, 0.3, 0.3), 2.0, vec(0, 0, 0));
+  btRigidBody* b = bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(2, 0.5, 0));
   for (btRigidBody* body : {a, b}) body->setActivationState(DISABLE_DEACTIVATION);
   a->setAngularVelocity(btVector3(0, 1, 2));
-  SoftBodySystem system(*bullet.world);
   SpringSettings s;
   s.stiffness = 20;
   s.restLength = 1.2;
   s.damping = 0.5;
-  ASSERT_TRUE(system.addSpring({a, test::vec(0.3, 0.2, 0)}, {b, test::vec(-0.2, 0, 0.1)}, s));
+  ASSERT_TRUE(bullet.system.addSpring({a, vec(0.3, 0.2, 0)}, {b, vec(-0.2, 0, 0.1)}, s));
   const Eigen::Vector3d p = momentumOf(*a) + momentumOf(*b),
                         l = angularMomentumOf(*a) + angularMomentumOf(*b);
   double worst = 0, scale = 0;
@@ -103,24 +68,23 @@ TEST(Spring, offCentrePivotsKeepLinearAndAngularMomentum) {
 }
 
 TEST(Spring, joinsTwoSoftBodiesAndGoesAgain) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  SoftBody* a = *system.createBody(test::cubeNetwork(), s);
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
+  SoftBody* a = bullet.addSoft(cubeNetwork(), s);
   s.position = {2, 0, 0};
   s.linearVelocity = {1, 0, 0};
-  SoftBody* b = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* b = bullet.addSoft(cubeNetwork(), s);
   keepAwake(*a);
   keepAwake(*b);
   SpringSettings link;
   link.stiffness = 200;
-  SpringConstraint* spring = *system.addSpring({a->point(1)}, {b->point(0)}, link);
+  SpringConstraint* spring = *bullet.system.addSpring({a->point(1)}, {b->point(0)}, link);
   EXPECT_NEAR(*spring->settings().restLength, 1.0, 1e-6) << "the present distance";
   bullet.simulate(3.0);
   EXPECT_GT(a->linearMomentum().x(), 0.2) << "pulled along";
   // both bodies are in one island with a state in double precision: exact to rounding
   EXPECT_NEAR(a->linearMomentum().x() + b->linearMomentum().x(), 1.0, 1e-6);
-  system.removeSpring(spring);
+  bullet.system.removeSpring(spring);
   bullet.tick();
   const double alone = b->linearMomentum().x();
   bullet.simulate(1.0);
@@ -129,16 +93,14 @@ TEST(Spring, joinsTwoSoftBodiesAndGoesAgain) {
 
 TEST(Spring, actsOnOneSideOnlyWhenTold) {
   for (SpringAction action : {SpringAction::ExtensionOnly, SpringAction::CompressionOnly}) {
-    BulletWorld bullet(0.0);
-    btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1.0, test::vec(0, 0, 0));
-    box->setActivationState(DISABLE_DEACTIVATION);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
+    btRigidBody* box = bullet.addAwakeBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, 0, 0));
     SpringSettings s;
     s.restLength = 1.0;
     s.action = action;
     s.damping = 5;
     ASSERT_TRUE(
-        system.addSpring({box}, {nullptr, test::vec(0.5, 0, 0)}, s));  // compressed to half its length
+        bullet.system.addSpring({box}, {nullptr, vec(0.5, 0, 0)}, s));  // compressed to half its length
     bullet.simulate(0.1);
     const double speed = std::abs(double(box->getLinearVelocity().x()));
     if (action == SpringAction::ExtensionOnly)
@@ -151,14 +113,12 @@ TEST(Spring, actsOnOneSideOnlyWhenTold) {
 TEST(Spring, stiffOnesStayStableAtAnyStiffnessAndDamping) {
   for (double k : {1e2, 1e4, 1e6})
     for (double c : {0.0, 1.0, 1e3, 1e6}) {
-      BulletWorld bullet;
-      btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 0.1, test::vec(0.3, -1, 0));
-      box->setActivationState(DISABLE_DEACTIVATION);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
+      btRigidBody* box = bullet.addAwakeBox(vec(0.1, 0.1, 0.1), 0.1, vec(0.3, -1, 0));
       SpringSettings s;
       s.stiffness = k;
       s.damping = c;
-      ASSERT_TRUE(system.addSpring({box, test::vec(0.1, 0.1, 0.1)}, {nullptr, btVector3(0, 0, 0)}, s));
+      ASSERT_TRUE(bullet.system.addSpring({box, vec(0.1, 0.1, 0.1)}, {nullptr, btVector3(0, 0, 0)}, s));
       bullet.simulate(2.0);
       const Eigen::Vector3d x = eigen(box->getWorldTransform().getOrigin());
       // the box swings below the fixed end, and k = 100 extends the spring by some centimetres at most
@@ -166,34 +126,36 @@ TEST(Spring, stiffOnesStayStableAtAnyStiffnessAndDamping) {
     }
 }
 
-TEST(Spring, settingsCanBeChangedWhileRunning) {
-  BulletWorld bullet;
-  btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1.0, btVector3(0, 0, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
-  SoftBodySystem system(*bullet.world);
+TEST(Spring, hangsARigidBodyAtMgOverKAlsoAfterAChange) {
+  SoftWorld bullet;
+  btRigidBody* box = bullet.addAwakeBox(vec(0.1, 0.1, 0.1), 2.0, btVector3(0, 0, 0));
   SpringSettings s;
   s.restLength = 1.0;
-  s.stiffness = 1000;
-  s.damping = 30;
-  SpringConstraint* spring = *system.addSpring({box}, {nullptr, btVector3(0, 1, 0)}, s);
-  bullet.simulate(3.0);
+  s.stiffness = 5e3;
+  s.damping = 40;
+  // from the centre of the box to a point of the world one metre above
+  SpringConstraint* spring = *bullet.system.addSpring({box}, {nullptr, btVector3(0, 1, 0)}, s);
+  bullet.simulate(5.0);
+  const double sag = 2.0 * 9.81 / 5e3;
+  EXPECT_NEAR(heightOf(*box), -sag, 1e-5);
+  EXPECT_NEAR(spring->force(), 2.0 * 9.81, 1e-2);
+  EXPECT_NEAR(double(spring->length()), 1.0 + sag, 1e-5);
   s.restLength.reset();  // keep
-  s.stiffness = 500;
-  ASSERT_TRUE(system.changeSpring(spring, s));
+  s.stiffness = 1000;
+  ASSERT_TRUE(bullet.system.changeSpring(spring, s));
   EXPECT_DOUBLE_EQ(*spring->settings().restLength, 1.0);
   bullet.simulate(4.0);
-  EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), -9.81 / 500, 1e-4);
+  EXPECT_NEAR(heightOf(*box), -2.0 * 9.81 / 1000, 1e-4);
 }
 
 /// A cube that sleeps on four cables, and what then changes them.
 double fallAfter(
     const std::function<void(SoftBodySystem&, const std::vector<SpringConstraint*>&, btRigidBody&)>& change) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  btRigidBody* crane = bullet.addBox(test::vec(1, 0.1, 1), 0.0, test::vec(0, 3, 0));
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet;
+  btRigidBody* crane = bullet.addBox(vec(1, 0.1, 1), 0.0, vec(0, 3, 0));
+  SoftBodySettings s = testedSettings();
   s.damping = 20.0;
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   SpringSettings cable;
   cable.stiffness = 500.0;
   cable.damping = 20.0;
@@ -201,12 +163,12 @@ double fallAfter(
   for (std::uint32_t i = 0; i < body->pointCount(); ++i) {
     const Eigen::Vector3d x = body->position(i);
     if (x.y() > 0.0)
-      cables.push_back(*system.addSpring({crane, test::vec(x.x(), -0.1, x.z())}, {body->point(i)}, cable));
+      cables.push_back(*bullet.system.addSpring({crane, vec(x.x(), -0.1, x.z())}, {body->point(i)}, cable));
   }
   for (int i = 0; i < 1200 && !body->sleeping(); ++i) bullet.tick();
   EXPECT_TRUE(body->sleeping());
   const double before = body->centerOfMass().y();
-  change(system, cables, *crane);
+  change(bullet.system, cables, *crane);
   bullet.simulate(0.5);
   return before - body->centerOfMass().y();
 }
@@ -235,24 +197,24 @@ TEST(Spring, changesAndRemovalWakeWhatItHolds) {
 }
 
 TEST(Spring, badOnesAreRefusedWithTheReason) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 0, 0));
   SpringSettings s;
   s.stiffness = -1;
-  EXPECT_EQ(system.addSpring({box}, {nullptr}, s).error(), "stiffness is -1, must be from 0 to 1e12");
-  EXPECT_EQ(system.addSpring({nullptr}, {nullptr}).error(), "a spring needs a body at one of its ends");
-  EXPECT_EQ(system.addSpring({box}, {box}).error(), "both ends of the spring are the same place of one body");
-  EXPECT_EQ(system.springCount(), 0u);
-  EXPECT_EQ(system.hookState(), HookState::Idle);
+  EXPECT_EQ(bullet.system.addSpring({box}, {nullptr}, s).error(), "stiffness is -1, must be from 0 to 1e12");
+  EXPECT_EQ(bullet.system.addSpring({nullptr}, {nullptr}).error(),
+            "a spring needs a body at one of its ends");
+  EXPECT_EQ(bullet.system.addSpring({box}, {box}).error(),
+            "both ends of the spring are the same place of one body");
+  EXPECT_EQ(bullet.system.springCount(), 0u);
+  EXPECT_EQ(bullet.system.hookState(), HookState::Idle);
 }
 
 // --- pins --------------------------------------------------------------------------------------------------
 
 TEST(Pin, holdsAPointAndLetsGo) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(cubeNetwork());
   keepAwake(*body);
   body->pin(7);
   EXPECT_TRUE(body->pinned(7));
@@ -267,9 +229,8 @@ TEST(Pin, holdsAPointAndLetsGo) {
 }
 
 TEST(Pin, keepsTheMassThatTheUserHasGivenAPoint) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(cubeNetwork());
   body->point(0)->setMassProps(btScalar(2), btVector3(0, 0, 0));
   EXPECT_TRUE(body->pin(0));
   EXPECT_TRUE(body->unpin(0));
@@ -286,31 +247,29 @@ TEST(Pin, keepsTheMassThatTheUserHasGivenAPoint) {
 /// In the same pause between two ticks. What the user has moved is where it is.
 TEST(Pin, holdsAndLetsGoWhereAPointWasMoved) {
   for (const bool pinnedBefore : {false, true}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+    SoftWorld bullet(0.0);
+    SoftBody* body = bullet.addSoft(cubeNetwork());
     if (pinnedBefore) body->pin(7);
     bullet.tick();
     const Eigen::Vector3d start = body->position(7);
     for (std::uint32_t i = 0; i < body->pointCount(); ++i)
-      body->point(i)->getWorldTransform().getOrigin() += test::vec(0.5, 0, 0);
+      body->point(i)->getWorldTransform().getOrigin() += vec(0.5, 0, 0);
     ASSERT_TRUE(pinnedBefore ? body->unpin(7) : body->pin(7));
     bullet.tick();
     EXPECT_NEAR((body->position(7) - start).x(), 0.5, 1e-6) << pinnedBefore;
-    EXPECT_LT(test::energyOf(*body), 1e-6) << pinnedBefore;
+    EXPECT_LT(energyOf(*body), 1e-6) << pinnedBefore;
   }
 }
 
 TEST(Pin, moveAlongAPathDragsTheBody) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.damping = 5;
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   for (std::uint32_t i : {0u, 2u, 4u, 6u}) body->pin(i);
   for (int t = 1; t <= 120; ++t) {
     for (std::uint32_t i : {0u, 2u, 4u, 6u})
-      body->movePin(i, body->point(i)->getWorldTransform().getOrigin() + test::vec(1.0 / 60, 0, 0));
+      body->movePin(i, body->point(i)->getWorldTransform().getOrigin() + vec(1.0 / 60, 0, 0));
     bullet.tick();
   }
   EXPECT_NEAR(body->position(0).x(), -0.5 + 2.0, 1e-4);
@@ -320,36 +279,33 @@ TEST(Pin, moveAlongAPathDragsTheBody) {
 }
 
 TEST(Pin, aPinPushesRigidBodies) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.1;
-  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  SoftBody* body = bullet.addSoft(pairNetwork(), s);
   body->pin(0);
-  btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0.4, 0));
+  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(0, 0.4, 0));
   for (int t = 1; t <= 30; ++t) {
-    body->movePin(0, test::vec(0, t / 60.0, 0));
+    body->movePin(0, vec(0, t / 60.0, 0));
     bullet.tick();
   }
-  EXPECT_GT(double(box->getWorldTransform().getOrigin().y()), 0.7);
+  EXPECT_GT(heightOf(*box), 0.7);
 }
 
 // --- attached points ---------------------------------------------------------------------------------------
 
 TEST(Attach, pointsFollowARigidBodyAndCarryIt) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet;
+  SoftBodySettings s = testedSettings();
   s.damping = 100;
-  SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
-  btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 2.0, test::vec(0, -1.1, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
+  SoftBody* rope = bullet.addSoft(chainNetwork(8), s);
+  btRigidBody* box = bullet.addAwakeBox(vec(0.1, 0.1, 0.1), 2.0, vec(0, -1.1, 0));
   rope->pin(0);
-  ASSERT_TRUE(system.attach(rope, 8, *box));
+  ASSERT_TRUE(bullet.system.attach(rope, 8, *box));
   double worst = 0;
   for (int i = 0; i < 1200; ++i) {
     bullet.tick();
-    const btVector3 pivot = box->getWorldTransform() * test::vec(0, 0.1, 0);
+    const btVector3 pivot = box->getWorldTransform() * vec(0, 0.1, 0);
     worst = std::max(worst, (rope->position(8) - eigen(pivot)).norm());
   }
   // exact in the substeps; the remaining error is the rounding of the box's transform in Bullet
@@ -365,15 +321,13 @@ TEST(Attach, dampingDoesNotMoveTheEquilibrium) {
   // between kick and constraint an attached point and its body differ in velocity, which dampers must ignore
   double first = 0;
   for (double damping : {10.0, 30.0, 100.0, 1000.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftWorld bullet;
+    SoftBodySettings s = testedSettings();
     s.damping = damping;
-    SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
-    btRigidBody* box = bullet.addBox(test::vec(0.1, 0.1, 0.1), 2.0, test::vec(0, -1.1, 0));
-    box->setActivationState(DISABLE_DEACTIVATION);
+    SoftBody* rope = bullet.addSoft(chainNetwork(8), s);
+    btRigidBody* box = bullet.addAwakeBox(vec(0.1, 0.1, 0.1), 2.0, vec(0, -1.1, 0));
     rope->pin(0);
-    ASSERT_TRUE(system.attach(rope, 8, *box));
+    ASSERT_TRUE(bullet.system.attach(rope, 8, *box));
     bullet.simulate(40.0);
     if (damping == 10.0) first = rope->position(8).y();
     EXPECT_NEAR(rope->position(8).y(), first, 2e-5) << "damping " << damping;
@@ -381,46 +335,41 @@ TEST(Attach, dampingDoesNotMoveTheEquilibrium) {
 }
 
 TEST(Attach, isMomentumConserving) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.linearVelocity = {1, 0, 0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
-  btRigidBody* box = bullet.addBox(test::vec(0.5, 0.5, 0.5), 0.5, test::vec(-1, 0, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
-  for (std::uint32_t i : {0u, 2u, 4u, 6u}) ASSERT_TRUE(system.attach(body, i, *box));
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
+  btRigidBody* box = bullet.addAwakeBox(vec(0.5, 0.5, 0.5), 0.5, vec(-1, 0, 0));
+  for (std::uint32_t i : {0u, 2u, 4u, 6u}) ASSERT_TRUE(bullet.system.attach(body, i, *box));
   bullet.simulate(3.0);
   EXPECT_NEAR(body->linearMomentum().x() + momentumOf(*box).x(), 1.0, 1e-5);
   EXPECT_NEAR(double(box->getLinearVelocity().x()), 1.0 / 1.5, 0.05) << "towed along";
 }
 
 TEST(Attach, toAKinematicBodyFollowsItsMotion) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
-  btRigidBody* hand = bullet.addBox(test::vec(0.1, 0.1, 0.1), 0, test::vec(-0.2, 0, 0));
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(pairNetwork());
+  btRigidBody* hand = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(-0.2, 0, 0));
   hand->setCollisionFlags(hand->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
   hand->setActivationState(DISABLE_DEACTIVATION);
-  ASSERT_TRUE(system.attach(body, 0, *hand, test::vec(0.2, 0, 0)));
+  ASSERT_TRUE(bullet.system.attach(body, 0, *hand, vec(0.2, 0, 0)));
   for (int t = 1; t <= 90; ++t) {
-    btTransform pose(btQuaternion(btVector3(0, 0, 1), btScalar(t * 0.02)), test::vec(-0.2, t / 120.0, 0));
+    btTransform pose(btQuaternion(btVector3(0, 0, 1), btScalar(t * 0.02)), vec(-0.2, t / 120.0, 0));
     hand->setWorldTransform(pose);
     bullet.tick();
-    EXPECT_LT((body->position(0) - eigen(pose * test::vec(0.2, 0, 0))).norm(), 1e-5) << t;
+    EXPECT_LT((body->position(0) - eigen(pose * vec(0.2, 0, 0))).norm(), 1e-5) << t;
   }
 }
 
 TEST(Attach, doesNotCollideWithItsRigidBody) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
-  btRigidBody* box =
-      bullet.addBox(test::vec(0.2, 0.2, 0.2), 1.0, test::vec(0, 0, 0));  // point 0 is inside the box
-  ASSERT_TRUE(system.attach(body, 0, *box));
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(pairNetwork());
+  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(0, 0, 0));  // point 0 is inside the box
+  ASSERT_TRUE(bullet.system.attach(body, 0, *box));
   bullet.simulate(1.0);
   EXPECT_LT(eigen(box->getLinearVelocity()).norm(), 1e-6);
-  ASSERT_TRUE(system.detach(body, 0));
-  if (test::kSurface) return;  // only points in the world collide with dynamic bodies
+  ASSERT_TRUE(bullet.system.detach(body, 0));
+  if (kSurface) return;  // only points in the world collide with dynamic bodies
   bullet.simulate(0.5);
   EXPECT_GT((body->position(0) - eigen(box->getWorldTransform().getOrigin())).norm(), 0.05)
       << "no longer attached, Bullet pushes it out";
@@ -430,21 +379,17 @@ TEST(Attach, doesNotCollideWithItsRigidBody) {
 struct TumblingPlank {
   BulletWorld bullet{0.0};
   SoftBodySystem system{*bullet.world};
-  btRigidBody* plank = bullet.addBox(test::vec(0.11, 0.03, 0.5), 3.0, test::vec(0, 0.05, 0));
+  btRigidBody* plank = bullet.addBox(vec(0.11, 0.03, 0.5), 3.0, vec(0, 0.05, 0));
   std::vector<SoftBody*> ropes;
 
   explicit TumblingPlank(const btVector3& spin) {
-    RopeSettings rope;
-    rope.length = 0.5;
-    rope.segments = 2;
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.totalMass = 0.2;
-    s.extensionStiffness = s.compressionStiffness = 2e4;
-    s.damping = 5.0;
+    setSprings(s, 2e4, 5.0);
     s.collisionMask = 0;
     for (const double z : {-0.5, 0.5}) {
       s.position = {-0.25, 0.0, z};
-      ropes.push_back(*system.createBody(*buildRope(rope), s));
+      ropes.push_back(*system.createBody(ropeNetwork(2, 0.5), s));
       for (const std::uint32_t end : {0u, 2u}) EXPECT_TRUE(ropes.back()->pin(end));
       EXPECT_TRUE(system.attach(ropes.back(), 1, *plank));
     }
@@ -453,8 +398,8 @@ struct TumblingPlank {
   }
 
   double energy() const {
-    double sum = test::kineticEnergyOf(*plank);
-    for (const SoftBody* rope : ropes) sum += test::energyOf(*rope);
+    double sum = kineticEnergyOf(*plank);
+    for (const SoftBody* rope : ropes) sum += energyOf(*rope);
     return sum;
   }
 
@@ -462,7 +407,7 @@ struct TumblingPlank {
   double gap() const {
     double largest = 0.0;
     for (std::size_t k = 0; k < 2; ++k) {
-      const btVector3 place = plank->getWorldTransform() * test::vec(0, -0.05, k == 0 ? -0.5 : 0.5);
+      const btVector3 place = plank->getWorldTransform() * vec(0, -0.05, k == 0 ? -0.5 : 0.5);
       largest = std::max(largest, (ropes[k]->position(1) - eigen(place)).norm());
     }
     return largest;
@@ -474,7 +419,7 @@ struct TumblingPlank {
 TEST(Attach, toABodyThatTumblesFasterThanBulletTurnsItHolds) {
   for (const double tick : {1.0 / 30, 1.0 / 60})
     for (const double spin : {40.0, 100.0, 200.0}) {
-      TumblingPlank s(test::vec(0.06 * spin, -0.04 * spin, 0.9 * spin));
+      TumblingPlank s(vec(0.06 * spin, -0.04 * spin, 0.9 * spin));
       const double start = s.energy();
       for (double time = 0.0; time < 2.0; time += tick) {
         s.bullet.tick(tick);
@@ -489,29 +434,24 @@ TEST(Attach, toABodyThatTumblesFasterThanBulletTurnsItHolds) {
 /// 60 rad/s.
 TEST(Attach, toASlenderHandleThatSpinsItGainsNoEnergy) {
   for (const double spin : {30.0, 60.0, 100.0}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     btRigidBody* handle = bullet.addBox(btVector3(btScalar(0.015), btScalar(0.07), btScalar(0.015)),
-                                        btScalar(0.2), test::vec(0, -0.57, 0));
-    SoftBodySystem system(*bullet.world);
-    RopeSettings rope;
-    rope.length = 0.5;
-    rope.segments = 4;
-    SoftBodySettings s = test::testedSettings();
-    s.extensionStiffness = s.compressionStiffness = 1e3;
-    s.damping = 0.0;
+                                        btScalar(0.2), vec(0, -0.57, 0));
+    SoftBodySettings s = testedSettings();
+    setSprings(s, 1e3, 0.0);
     s.collisionMask = 0;
-    s.rotation = Eigen::AngleAxisd(-0.5 * test::kPi, Eigen::Vector3d::UnitZ());
-    SoftBody* upper = *system.createBody(*buildRope(rope), s);
+    s.rotation = Eigen::AngleAxisd(-0.5 * kPi, Eigen::Vector3d::UnitZ());
+    SoftBody* upper = bullet.addSoft(ropeNetwork(4, 0.5), s);
     s.position = {0, -0.64, 0};
-    SoftBody* lower = *system.createBody(*buildRope(rope), s);
+    SoftBody* lower = bullet.addSoft(ropeNetwork(4, 0.5), s);
     upper->pin(0);
-    ASSERT_TRUE(system.attach(upper, 4, *handle));
-    ASSERT_TRUE(system.attach(lower, 0, *handle));
-    handle->setAngularVelocity(test::vec(0, spin, 0));
+    ASSERT_TRUE(bullet.system.attach(upper, 4, *handle));
+    ASSERT_TRUE(bullet.system.attach(lower, 0, *handle));
+    handle->setAngularVelocity(vec(0, spin, 0));
     lower->setVelocity(btVector3(1, 0, 0));
     const auto energy = [&] {
-      double sum = test::energyOf(*handle, test::kGravity);
-      for (const SoftBody* body : {upper, lower}) sum += test::energyOf(*body, test::kGravity);
+      double sum = energyOf(*handle, kGravity);
+      for (const SoftBody* body : {upper, lower}) sum += energyOf(*body, kGravity);
       return sum;
     };
     const double start = energy();
@@ -524,23 +464,22 @@ TEST(Attach, toASlenderHandleThatSpinsItGainsNoEnergy) {
 }
 
 TEST(Attach, badOnesAreRefusedWithTheReason) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(pairNetwork());
   btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
-  EXPECT_EQ(system.attach(body, 7, *box).error(), "there is no point 7");
-  ASSERT_TRUE(system.attach(body, 0, *box));
-  EXPECT_EQ(system.attach(body, 0, *box).error(), "point 0 is already attached");
+  EXPECT_EQ(bullet.system.attach(body, 7, *box).error(), "there is no point 7");
+  ASSERT_TRUE(bullet.system.attach(body, 0, *box));
+  EXPECT_EQ(bullet.system.attach(body, 0, *box).error(), "point 0 is already attached");
   body->pin(1);
-  EXPECT_EQ(system.attach(body, 1, *box).error(), "point 1 is pinned");
+  EXPECT_EQ(bullet.system.attach(body, 1, *box).error(), "point 1 is pinned");
   body->unpin(1);
-  EXPECT_FALSE(system.attach(body, 1, *body->point(0)));
+  EXPECT_FALSE(bullet.system.attach(body, 1, *body->point(0)));
 }
 
 TEST(Links, bodiesOfOtherWorldsAreRefused) {
   BulletWorld bullet, other;
   SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::pairNetwork(), test::testedSettings());
+  SoftBody* body = *system.createBody(pairNetwork(), testedSettings());
   btRigidBody* stranger = other.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
   const std::string reason = "the rigid body is in another world";
   EXPECT_EQ(system.attach(body, 0, *stranger).error(), reason);
@@ -557,4 +496,4 @@ TEST(Links, bodiesOfOtherWorldsAreRefused) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

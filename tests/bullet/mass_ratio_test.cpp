@@ -1,38 +1,24 @@
 // SPDX-License-Identifier: Zlib
 // Light bodies between far heavier ones.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
 #include "support/small_meshes.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 constexpr double kClothRadius = 0.01, kHalfHeight = 0.2;
 
 /// Adds a cloth of 1.2 m and 0.2 kg, 1 cm above the floor.
 SoftBody* addCloth(SoftBodySystem& system) {
-  ClothSettings shape;
-  shape.width = shape.depth = 1.2;
-  shape.columns = shape.rows = 14;
   SoftBodySettings s;
   s.totalMass = 0.2;
-  s.extensionStiffness = s.compressionStiffness = 500.0;
-  s.damping = 0.3;
+  setSprings(s, 500.0, 0.3);
   s.pointRadius = kClothRadius;
   s.friction = 0.5;
   s.position = {0, 2 * kClothRadius, 0};
-  return *system.createBody(*buildCloth(shape), s);
+  return *system.createBody(squareCloth(14, 1.2), s);
 }
 
 /// Adds a box that falls on one of its edges.
@@ -46,10 +32,9 @@ btRigidBody* addTiltedBox(BulletWorld& bullet, double mass) {
 
 TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
   for (const double mass : {2.0, 20.0}) {  // a point of the cloth has 1 g
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(0.5);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cloth = addCloth(system);
+    SoftBody* cloth = addCloth(bullet.system);
     btRigidBody* box = addTiltedBox(bullet, mass);
     double lowest = 1.0;
     for (int i = 0; i < 300; ++i) {
@@ -60,8 +45,7 @@ TEST(SurfaceMassRatio, aHeavyBoxComesToRestOnAClothOnTheFloor) {
     EXPECT_FALSE(box->isActive()) << mass;
     EXPECT_FALSE(cloth->surfaceObject()->isActive()) << mass;
     // contacts at rest are compliant: their depth grows with their impulse, see contact_row.h
-    EXPECT_NEAR(double(box->getWorldTransform().getOrigin().y()), kHalfHeight + 2 * kClothRadius, 2e-4)
-        << mass;
+    EXPECT_NEAR(heightOf(*box), kHalfHeight + 2 * kClothRadius, 2e-4) << mass;
     // The present value is 0.46: the sweeps end before they have converged for a mass ratio of 20 000 : 1.
     EXPECT_GT(lowest, 0.4 * kClothRadius) << "at the hit, " << mass;
   }
@@ -75,7 +59,7 @@ SoftBody* addBracedCube(SoftBodySystem& system) {
   s.scale = Eigen::Vector3d::Constant(kCubeSize);
   s.position = {0, 0.505 * kCubeSize, 0};
   s.pointRadius = kCubeRadius;
-  return *system.createBody(*buildNetwork(small_meshes::cube(4)), s);
+  return *system.createBody(bracedNetwork(small_meshes::cube(4)), s);
 }
 
 btRigidBody* addBoxAbove(BulletWorld& bullet, double mass) {
@@ -112,10 +96,9 @@ double depthIn(const btRigidBody& box, const SoftBody& body) {
 
 TEST(SurfaceMassRatio, aHeavyBoxSinksIntoNoBracedCube) {
   for (const double mass : {20.0, 25.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     const btRigidBody* box = addBoxAbove(bullet, mass);
-    const SoftBody* cube = addBracedCube(system);
+    const SoftBody* cube = addBracedCube(bullet.system);
     double deepest = -1.0;
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
@@ -127,13 +110,11 @@ TEST(SurfaceMassRatio, aHeavyBoxSinksIntoNoBracedCube) {
 }
 
 TEST(SurfaceMassRatio, aKinematicBoxSinksIntoNoBracedCube) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* box = addBoxAbove(bullet, 0.0);
-  box->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  box->setActivationState(DISABLE_DEACTIVATION);
-  const SoftBody* cube = addBracedCube(system);
-  const double start = double(box->getWorldTransform().getOrigin().y()), speed = 0.06, depth = 0.11;
+  makeKinematic(*box);
+  const SoftBody* cube = addBracedCube(bullet.system);
+  const double start = heightOf(*box), speed = 0.06, depth = 0.11;
   double deepest = -1.0;
   for (int i = 1; i <= 140; ++i) {
     box->getWorldTransform().setOrigin(vec(0, start - std::min(speed * i / 60.0, depth), 0));
@@ -144,15 +125,13 @@ TEST(SurfaceMassRatio, aKinematicBoxSinksIntoNoBracedCube) {
 }
 
 TEST(SurfaceMassRatio, aKinematicBallSinksIntoNoBracedCube) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  const SoftBody* cube = addBracedCube(system);
+  const SoftBody* cube = addBracedCube(bullet.system);
   const double start = 1.03 * kCubeSize + kHalfBox, speed = 0.06;
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(kHalfBox)), 0.0, vec(0, start, 0));
   ball->setFriction(1);
-  ball->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  ball->setActivationState(DISABLE_DEACTIVATION);
+  makeKinematic(*ball);
   double deepest = -1.0;
   for (int i = 1; i <= 75; ++i) {
     const Eigen::Vector3d centre(0, start - speed * i / 60.0, 0);
@@ -174,18 +153,14 @@ TEST(SurfaceMassRatio, aHeavyBallSinksIntoNoTrampoline) {
   constexpr double kBall = 0.3, kThin = 0.005;  // m
   constexpr std::uint32_t kCells = 16;
   for (const double tick : {1.0 / 60.0, 1.0 / 240.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    ClothSettings grid;
-    grid.width = grid.depth = 4.0;
-    grid.columns = grid.rows = kCells;
+    SoftWorld bullet;
     SoftBodySettings s;
     s.totalMass = 2.0;
     s.extensionStiffness = s.compressionStiffness = 5000.0;
     s.damping = s.friction = 0.0;
     s.flow.drag = s.flow.linearDrag = 0.0;
     s.pointRadius = kThin;
-    SoftBody* cloth = *system.createBody(*buildCloth(grid), s);
+    SoftBody* cloth = bullet.addSoft(squareCloth(kCells, 4.0), s);
     for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) {
       const std::uint32_t x = i % (kCells + 1), z = i / (kCells + 1);
       if (x % kCells == 0 || z % kCells == 0) cloth->pin(i);
@@ -193,11 +168,11 @@ TEST(SurfaceMassRatio, aHeavyBallSinksIntoNoTrampoline) {
     btRigidBody* ball =
         bullet.add(std::make_unique<btSphereShape>(btScalar(kBall)), 50, vec(0, 1.5 + kBall + kThin, 0));
     ball->setActivationState(DISABLE_DEACTIVATION);
-    const double start = test::energyOf(*ball, test::kGravity);
+    const double start = energyOf(*ball, kGravity);
     double deepest = 0.0;
     for (double time = 0.0; time < 1.0; time += tick) {
       bullet.tick(tick);
-      const Eigen::Vector3d centre = test::eigen(ball->getWorldTransform().getOrigin());
+      const Eigen::Vector3d centre = eigen(ball->getWorldTransform().getOrigin());
       for (const Triangle& t : cloth->network().surface)
         for (int a = 0; a <= 4; ++a)
           for (int b = 0; a + b <= 4; ++b) {
@@ -208,11 +183,11 @@ TEST(SurfaceMassRatio, aHeavyBallSinksIntoNoTrampoline) {
           }
     }
     EXPECT_LT(deepest, 0.01) << tick;
-    const double end = test::energyOf(*ball, test::kGravity) + test::energyOf(*cloth, test::kGravity);
+    const double end = energyOf(*ball, kGravity) + energyOf(*cloth, kGravity);
     // falling for 0.55 s in Bullet's ticks of 1/60 s, the ball loses 2.5 % of it: M g v tick / 2
     EXPECT_NEAR(end / start, 1.0, 0.06) << tick;
   }
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of soft bodies with links of multibodies, which react through their joints, and with ghosts.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -17,19 +9,13 @@
 #include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::eigen;
-using test::kRadius;
-using test::kTick;
-using test::vec;
 
 /// A world with the multibodies that a test adds.
 struct MultiBodyWorld : BulletWorld {
@@ -92,11 +78,9 @@ struct MultiBodyWorld : BulletWorld {
 };
 
 SoftBodySettings cubeBesideLinksAt(const Vector3d& position, double friction = 0.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
+  SoftBodySettings s = settingsAt(position);
   s.totalMass = 1.0;
-  s.extensionStiffness = s.compressionStiffness = 1e4;
-  s.damping = 5.0;
+  setSprings(s, 1e4, 5.0);
   s.friction = friction;
   s.pointRadius = kRadius;
   return s;
@@ -139,9 +123,7 @@ TEST(MultiBody, aSlowLinkWakesASleepingBody) {
   MultiBodyWorld bullet(-9.81);
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.52, 0};
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = *system.createBody(closedCubeNetwork(), settingsAt({0, 0.52, 0}));
   for (int i = 0; i < 600 && !cube->sleeping(); ++i) bullet.tick();
   ASSERT_TRUE(cube->sleeping());
   const btVector3 half = vec(0.6, 0.2, 0.6);
@@ -160,10 +142,10 @@ TEST(MultiBodies, aFixedBaseCarriesACube) {
   w.addCollider(table, -1, vec(1, 0.2, 1));
   w.enter(table);
   SoftBodySystem system(*w.world);
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeBesideLinksAt({0.2, 1.1, 0}));
+  SoftBody* cube = *system.createBody(closedCubeNetwork(), cubeBesideLinksAt({0.2, 1.1, 0}));
   w.simulate(1.5);
   // its sag under its weight is below 1 mm at 1e4 N/m
-  EXPECT_NEAR(test::lowest(*cube), 0.5 + kRadius, 1e-4);
+  EXPECT_NEAR(lowest(*cube), 0.5 + kRadius, 1e-4);
   EXPECT_NEAR(cube->centerOfMass().y(), 1.0 + kRadius, 2e-3);
   ASSERT_FALSE(cube->contacts().empty());
   EXPECT_EQ(cube->contacts()[0].other, w.colliders[0].get());
@@ -189,7 +171,7 @@ TEST(MultiBodies, aBaseWithoutLinksIsHitAsARigidBox) {
     SoftBodySystem system(*w.world);
     SoftBodySettings s = cubeBesideLinksAt({0, 0, 0});
     s.linearVelocity = {3, 0, 0};
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = *system.createBody(closedCubeNetwork(), s);
     for (int i = 0; i < 45; ++i) {
       w.tick();
       double energy = 0;
@@ -206,7 +188,7 @@ TEST(MultiBodies, aBaseWithoutLinksIsHitAsARigidBox) {
 }
 
 TEST(MultiBodies, aMassFactorMakesABaseAsHeavyAsARigidBox) {
-  if (!test::kSurface) GTEST_SKIP() << "the points of the cube pass the box";
+  if (!kSurface) GTEST_SKIP() << "the points of the cube pass the box";
   MultiBodyWorld w(0);
   const btVector3 half = vec(0.3, 0.4, 0.5);
   btMultiBody* base = w.addMultiBody(0, 2, half, vec(1.2, 0, 0), false);
@@ -217,7 +199,7 @@ TEST(MultiBodies, aMassFactorMakesABaseAsHeavyAsARigidBox) {
   system.setContactFilter([](ContactCandidate& c) { c.otherMassFactor = kFactor; });
   SoftBodySettings s = cubeBesideLinksAt({0, 0, 0});
   s.linearVelocity = {3, 0, 0};
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = *system.createBody(closedCubeNetwork(), s);
   w.simulate(0.75);
   EXPECT_LT(cube->linearMomentum().x(), 0.0) << "it has come back";
   // at most as if the cube of 1 kg rebounded with its speed
@@ -242,12 +224,12 @@ TEST(MultiBodies, aChainInSpaceKeepsAllMomentaInAHit) {
     SoftBodySystem system(*w.world);
     SoftBodySettings s = cubeBesideLinksAt({0.2, 0.2, 0});
     s.linearVelocity = {4, 0, 0};
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* cube = *system.createBody(closedCubeNetwork(), s);
     const Vector3d angular = cube->angularMomentum();
     double jointSpeed = 0;
     for (int i = 0; i < rate; ++i) {
       w.tick(1.0 / rate);
-      double energy = test::energyOf(*cube);
+      double energy = energyOf(*cube);
       const Momenta m = momentaOf(*chain, energy);
       // Bullet keeps the joint speeds, not the momenta of a rotating chain, and the impulses of a tick are
       // those at its start: an error of the tick's order
@@ -274,18 +256,18 @@ TEST(MultiBodies, aDoorSwingsOpenWhenItIsHit) {
   SoftBodySystem system(*w.world);
   SoftBodySettings s = cubeBesideLinksAt({0, 0, 0.2});
   s.linearVelocity = {3, 0, 0};
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = *system.createBody(closedCubeNetwork(), s);
   double farthest = -1;
   for (int i = 0; i < 45; ++i) {
     w.tick();
-    double energy = test::energyOf(*cube);
+    double energy = energyOf(*cube);
     momentaOf(*frame, energy);
     ASSERT_LT(energy, 4.5 * 1.02) << "tick " << i;
     // the hinge transfers forces but no torque about its axis: the sum is m v r of the cube
     const double hinge = (cube->angularMomentum() - Vector3d(1, 0, -0.6).cross(cube->linearMomentum())).y();
     const double door = double(frame->getJointVel(0)) * (2.0 * (1.44 + 0.01) / 12.0 + 2.0 * 0.36);
     // to a thousandth; to two hundredths for masses in the world, on which Bullet's solver also acts
-    ASSERT_NEAR(hinge + door, 3.0 * 0.8, test::kSurface ? 3e-3 : 0.05) << "tick " << i;
+    ASSERT_NEAR(hinge + door, 3.0 * 0.8, kSurface ? 3e-3 : 0.05) << "tick " << i;
     // in the door's frame no point is on its other side
     const btTransform pose = w.colliders[0]->getWorldTransform();
     for (std::uint32_t p = 0; p < 8; ++p) {
@@ -314,10 +296,10 @@ TEST(MultiBodies, whatACubeHitsWhenItReboundsWithinATickKeepsMomentum) {
   s.linearVelocity = {kSpeed, 0, 0};
   s.restitution = 1.0;
   s.extensionStiffness = s.compressionStiffness = 1e5;
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = *system.createBody(closedCubeNetwork(), s);
   for (int i = 0; i < 3; ++i) {
     w.tick(1.0 / 15);
-    double energy = test::energyOf(*cube);
+    double energy = energyOf(*cube);
     Vector3d momentum = cube->linearMomentum();
     for (const auto& body : w.multiBodies) momentum += momentaOf(*body, energy).linear;
     // within the rounding of Bullet's floats
@@ -334,7 +316,7 @@ enum class Drive { JointTorque, LinkTorque, Motor };
 /// Returns the moment (N m) of the contacts about the joint of an arm of 1 kg and 0.5 m that lies on a soft
 /// cube and is pressed with 5 N m; 0.25 m g cos(angle) is the share of its weight. Less 5 N m and this share.
 double missingMoment(Drive drive, double tick, double& sagged) {
-  MultiBodyWorld bullet(-test::kGravity);
+  MultiBodyWorld bullet(-kGravity);
   bullet.addPlaneFloor();
   SoftBodySystem system(*bullet.world);
   const btVector3 half = vec(0.25, 0.03, 0.03);
@@ -348,10 +330,9 @@ double missingMoment(Drive drive, double tick, double& sagged) {
   if (drive == Drive::Motor) bullet.multiWorld->addMultiBodyConstraint(&motor);
   SoftBodySettings s = cubeBesideLinksAt({-0.1, 0.16, 0}, 0.5);
   s.scale.setConstant(0.3);
-  s.extensionStiffness = s.compressionStiffness = 3000.0;
-  s.damping = 10.0;
+  setSprings(s, 3000.0, 10.0);
   s.pointRadius = 0.005;
-  const SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+  const SoftBody& cube = **system.createBody(closedCubeNetwork(), s);
   const auto press = [&](double seconds) {
     double moment = 0.0;
     const int ticks = static_cast<int>(seconds / tick + 0.5);
@@ -369,12 +350,12 @@ double missingMoment(Drive drive, double tick, double& sagged) {
   const double before = double(arm->getJointPos(0)), moment = press(1.0);
   sagged = before - double(arm->getJointPos(0));
   if (drive == Drive::Motor) bullet.multiWorld->removeMultiBodyConstraint(&motor);
-  return 5.0 + test::kGravity * 0.25 * std::cos(before) - moment;
+  return 5.0 + kGravity * 0.25 * std::cos(before) - moment;
 }
 
 /// Their torques were not part of the step: the arm sank at 0.1 rad/s, and the contacts carried its weight.
 TEST(MultiBodies, torquesAndMotorsOfJointsPressWithTheirMoment) {
-  if (!test::kSurface) GTEST_SKIP() << "the arm falls between the points";
+  if (!kSurface) GTEST_SKIP() << "the arm falls between the points";
   for (const Drive drive : {Drive::JointTorque, Drive::LinkTorque, Drive::Motor})
     for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0}) {
       double sagged = 0.0;
@@ -386,23 +367,19 @@ TEST(MultiBodies, torquesAndMotorsOfJointsPressWithTheirMoment) {
 /// Bullet integrated the velocity at the end of the tick, which is not that of the step on the way: a box
 /// that fell on a cloth tilted by half a radian and sank into it.
 TEST(MultiBodies, aBaseOnAClothLiesFlat) {
-  if (!test::kSurface) GTEST_SKIP() << "the box falls between the points";
+  if (!kSurface) GTEST_SKIP() << "the box falls between the points";
   for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0}) {
-    MultiBodyWorld bullet(-test::kGravity);
+    MultiBodyWorld bullet(-kGravity);
     SoftBodySystem system(*bullet.world);
     const btVector3 half = vec(0.1, 0.1, 0.1);
     btMultiBody* box = bullet.addMultiBody(0, 2.0, half, vec(0.03, 2.13, 0.02), false);
     bullet.addCollider(box, -1, half)->setFriction(btScalar(0.5));
     bullet.enter(box);
-    ClothSettings how;
-    how.width = how.depth = 2.0;
-    how.columns = how.rows = 14;
     SoftBodySettings s;
     s.position.y() = 2.0;
     s.totalMass = 2.0;
-    s.extensionStiffness = s.compressionStiffness = 8000.0;
-    s.damping = 5.0;
-    SoftBody& cloth = **system.createBody(*buildCloth(how), s);
+    setSprings(s, 8000.0, 5.0);
+    SoftBody& cloth = **system.createBody(squareCloth(14, 2.0), s);
     for (std::uint32_t i = 0; i < 15; ++i)
       for (const std::uint32_t border : {i, 210 + i, 15 * i, 15 * i + 14}) cloth.pin(border);
     for (double time = 0.0; time < 3.0; time += tick) {
@@ -417,7 +394,7 @@ TEST(MultiBodies, aBaseOnAClothLiesFlat) {
 /// The second arm shares only the fixed base with the first one, which lies on a cube. It swings as it would
 /// alone: with forces of the tick's start alone it gained 6 J in 20 s and went over the top.
 TEST(MultiBodies, whatIsNotTouchedSwingsAsBefore) {
-  MultiBodyWorld bullet(-test::kGravity);
+  MultiBodyWorld bullet(-kGravity);
   bullet.addPlaneFloor();
   SoftBodySystem system(*bullet.world);
   const btVector3 half = vec(0.25, 0.03, 0.03);
@@ -431,12 +408,12 @@ TEST(MultiBodies, whatIsNotTouchedSwingsAsBefore) {
   SoftBodySettings s = cubeBesideLinksAt({-0.1, 0.16, 0}, 0.5);
   s.scale.setConstant(0.3);
   s.pointRadius = 0.005;
-  (void)*system.createBody(test::closedCubeNetwork(), s);
+  (void)*system.createBody(closedCubeNetwork(), s);
   // of the pendulum: (I + m l^2) w^2 / 2 + m g l sin(angle), I about its centre
   const double inertia = double(inertiaOf(half, 1.0).z()) + 0.0625;
   const auto energy = [&] {
     const double angle = double(arms->getJointPos(1)), speed = double(arms->getJointVel(1));
-    return 0.5 * inertia * speed * speed + test::kGravity * 0.25 * std::sin(angle);
+    return 0.5 * inertia * speed * speed + kGravity * 0.25 * std::sin(angle);
   };
   for (int i = 0; i < 600; ++i) {
     bullet.tick();
@@ -447,7 +424,7 @@ TEST(MultiBodies, whatIsNotTouchedSwingsAsBefore) {
 
 /// Nothing is searched for near a body at rest but what is near.
 TEST(MultiBodies, aBaseThatIsThrownSuddenlyIsStopped) {
-  if (!test::kSurface) GTEST_SKIP() << "Bullet finds the partners of points";
+  if (!kSurface) GTEST_SKIP() << "Bullet finds the partners of points";
   for (const bool rested : {false, true}) {
     MultiBodyWorld bullet(0.0);
     SoftBodySystem system(*bullet.world);
@@ -458,7 +435,7 @@ TEST(MultiBodies, aBaseThatIsThrownSuddenlyIsStopped) {
     SoftBodySettings s = cubeBesideLinksAt({0.02, 0, 0.01});
     s.totalMass = 20.0;
     s.extensionStiffness = s.compressionStiffness = 5e4;
-    SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+    SoftBody& cube = **system.createBody(closedCubeNetwork(), s);
     if (rested) bullet.simulate(0.5);
     box->setBaseVel(vec(0, -60, 0));  // a metre a tick
     bullet.simulate(0.1);
@@ -469,7 +446,7 @@ TEST(MultiBodies, aBaseThatIsThrownSuddenlyIsStopped) {
 
 /// What carries it is for Bullet's solver, to which it must not seem to fall in each tick.
 TEST(MultiBodies, aBaseOnTheFloorUnderACubeStaysStill) {
-  MultiBodyWorld bullet(-test::kGravity);
+  MultiBodyWorld bullet(-kGravity);
   bullet.addBoxFloor()->setFriction(1);
   SoftBodySystem system(*bullet.world);
   const btVector3 half = vec(0.7, 0.2, 0.7);
@@ -481,7 +458,7 @@ TEST(MultiBodies, aBaseOnTheFloorUnderACubeStaysStill) {
   collider->getBroadphaseHandle()->m_collisionFilterMask = btBroadphaseProxy::AllFilter;
   SoftBodySettings s = cubeBesideLinksAt({0.02, 0.93, 0.01}, 1.0);
   s.sleepingSpeed = 0.0;
-  const SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+  const SoftBody& cube = **system.createBody(closedCubeNetwork(), s);
   bullet.simulate(3.0);
   EXPECT_NEAR(double(box->getBasePos().y()), 0.2, 0.01);
   EXPECT_LT(double(box->getBaseVel().length()), 0.02);
@@ -491,7 +468,7 @@ TEST(MultiBodies, aBaseOnTheFloorUnderACubeStaysStill) {
 
 /// Stops at its limit and stays there, whether a soft body or nothing presses it.
 TEST(MultiBodies, aDoorThatIsHitStopsAtItsLimit) {
-  if (!test::kSurface) GTEST_SKIP() << "its edge passes between the points";
+  if (!kSurface) GTEST_SKIP() << "its edge passes between the points";
   MultiBodyWorld bullet(0.0);
   SoftBodySystem system(*bullet.world);
   const btVector3 half = vec(0.5, 1, 0.05);
@@ -504,7 +481,7 @@ TEST(MultiBodies, aDoorThatIsHitStopsAtItsLimit) {
   bullet.multiWorld->addMultiBodyConstraint(&limit);
   SoftBodySettings s = cubeBesideLinksAt({0.6, 0, 0.8});
   s.linearVelocity.z() = -5.0;
-  SoftBody& cube = **system.createBody(test::closedCubeNetwork(), s);
+  SoftBody& cube = **system.createBody(closedCubeNetwork(), s);
   double farthest = 0.0;
   for (int i = 0; i < 120; ++i) {
     bullet.tick();
@@ -519,9 +496,8 @@ TEST(MultiBodies, aDoorThatIsHitStopsAtItsLimit) {
 
 TEST(MultiBodies, aMovingCharacterPushesACubeASensorDoesNot) {
   for (const bool sensor : {false, true}) {
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), cubeBesideLinksAt({0, 0, 0}));
+    SoftWorld bullet(0);
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeBesideLinksAt({0, 0, 0}));
     btCapsuleShape capsule(btScalar(0.3), btScalar(1));
     btPairCachingGhostObject ghost;
     ghost.setCollisionShape(&capsule);
@@ -544,11 +520,11 @@ TEST(MultiBodies, aMovingCharacterPushesACubeASensorDoesNot) {
     }
     EXPECT_LT(cube->linearMomentum().x(), 4.1);
     // a capsule fits between the corners of the face
-    if (!test::kSurface) continue;
+    if (!kSurface) continue;
     EXPECT_GT(cube->linearMomentum().x(), 1.9);
     EXPECT_GT(cube->centerOfMass().x(), x + 0.3 + 0.5 - 0.15);
   }
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

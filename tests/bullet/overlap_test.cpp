@@ -1,23 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // Bodies that are placed, or grow, into others get out of them.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::lowest;
-using test::vec;
+using Eigen::Vector3d;
 
 /// The size of a cube with its radii, 0.51 m, less what its weight takes and what is left of the overlap: up
 /// to 3 cm of cubes exactly on top of each other, whose corners are neither inside nor outside.
@@ -25,7 +16,7 @@ constexpr double kLeast = 0.465;
 
 struct OverlapTest : testing::Test {
   void SetUp() override {
-    if (!test::kSurface) GTEST_SKIP() << "needs Collision::Surface";
+    if (!kSurface) GTEST_SKIP() << "needs Collision::Surface";
     bullet.addPlaneFloor();
   }
 
@@ -33,9 +24,8 @@ struct OverlapTest : testing::Test {
     SoftBodySettings s;
     s.position = {x, y, z};
     s.scale *= 0.5;
-    s.extensionStiffness = s.compressionStiffness = 2000.0;
-    s.damping = 2.0;
-    return *system.createBody(*buildNetwork(small_meshes::cube(2)), s);
+    setSprings(s, 2000.0, 2.0);
+    return *system.createBody(bracedNetwork(small_meshes::cube(2)), s);
   }
 
   /// Lets the bodies separate. They are pushed apart slowly.
@@ -86,9 +76,7 @@ TEST_F(OverlapTest, besideAnotherAlikeItGainsNoEnergy) {
   material.poissonRatio = 0.4;
   material.density = 300.0;
   material.dampingTime = 0.03;
-  MaterialMesh mesh;
-  mesh.points = 125;
-  const SharedNetwork cube = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  const SharedNetwork cube = solidNetwork(small_meshes::cube(), 125);
   SoftBodySettings s = *withMaterial(*cube, material);
   std::vector<const SoftBody*> bodies;
   for (const double x : {0.0, 0.97}) {
@@ -97,7 +85,7 @@ TEST_F(OverlapTest, besideAnotherAlikeItGainsNoEnergy) {
   }
   const auto energy = [&] {
     double sum = 0.0;
-    for (const SoftBody* body : bodies) sum += test::energyOf(*body, test::kGravity);
+    for (const SoftBody* body : bodies) sum += energyOf(*body, kGravity);
     return sum;
   };
   constexpr double kFine = 1.0 / 240.0;
@@ -298,4 +286,4 @@ TEST_F(OverlapTest, goesOnAlikeFromASavedState) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,28 +1,22 @@
 // SPDX-License-Identifier: Zlib
-// A tick on several threads: the same bits, each task once, no allocation, with any parallel function.
+// The same build and input give the same bits: in every tick, and on several threads, where each task runs
+// once, without allocation, with any parallel function.
 #include "support/allocation_counter.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <LinearMath/btThreads.h>
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <cfenv>
 #include <chrono>
+#include <cinttypes>
 #include <mutex>
 #include <set>
 #include <thread>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
 
 // --- the pool ----------------------------------------------------------------------------------------------
 
@@ -112,75 +106,64 @@ struct Fair {
     addCloth();
   }
 
-  SoftBodySettings at(double x, double y, double z) const {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {x, y, z};
-    return s;
-  }
-
   void addCube(int i) {
-    SoftBodySettings s = at(1.4 * (i % 10), 1.0 + 0.37 * (i % 7), 1.4 * (i / 10));
+    SoftBodySettings s = settingsAt({1.4 * (i % 10), 1.0 + 0.37 * (i % 7), 1.4 * (i / 10)});
     s.angularVelocity = {0.3 * i, 1.0, 0.0};
     if (i % 9 == 0) s.linearVelocity = {0, -20, 0};
     if (i % 11 == 0) s.extensionStiffness = s.compressionStiffness = 300;
     if (i % 13 == 0) s.stepping.relativeTolerance = 1e-4;
     if (i % 17 == 0) s.stepping.stepper = Stepper::ImplicitMidpoint;
     if (i % 5 == 1) s.stepping.maxSubsteps = 2;
-    (void)*system.createBody(i % 3 ? test::closedCubeNetwork() : test::cubeNetwork(), s);
+    (void)*system.createBody(i % 3 ? closedCubeNetwork() : cubeNetwork(), s);
   }
 
   void addPile() {
     for (int i = 0; i < 12; ++i)
-      (void)*system.createBody(test::closedCubeNetwork(), at(-3 + 0.1 * (i % 2), 0.6 + 1.05 * i, 0));
+      (void)*system.createBody(closedCubeNetwork(), settingsAt({-3 + 0.1 * (i % 2), 0.6 + 1.05 * i, 0}));
   }
 
   /// A body that several threads step together. Without it there would be too little to do for several.
   void addCloth() {
-    ClothSettings cloth;
-    cloth.columns = cloth.rows = 24;
-    SoftBodySettings s = at(-14, 3, 0);
+    SoftBodySettings s = settingsAt({-14, 3, 0});
     s.extensionStiffness = s.compressionStiffness = 100;
-    (*system.createBody(*buildCloth(cloth), s))->pin(0);
+    (*system.createBody(squareCloth(24), s))->pin(0);
   }
 
   void addRigids() {
-    for (int i = 0; i < 8; ++i) bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.5, test::vec(1.4 * i, 4, 0));
-    bullet.add(std::make_unique<btSphereShape>(btScalar(0.8)), 0, test::vec(2, 0, 2));
-    bullet.add(std::make_unique<btCylinderShape>(test::vec(0.5, 0.5, 0.5)), 0, test::vec(5, 0, 4));
+    for (int i = 0; i < 8; ++i) bullet.addBox(vec(0.2, 0.2, 0.2), 0.5, vec(1.4 * i, 4, 0));
+    bullet.add(std::make_unique<btSphereShape>(btScalar(0.8)), 0, vec(2, 0, 2));
+    bullet.add(std::make_unique<btCylinderShape>(vec(0.5, 0.5, 0.5)), 0, vec(5, 0, 4));
     auto hull = std::make_unique<btConvexHullShape>();
     for (int i = 0; i < 8; ++i)
-      hull->addPoint(test::vec(i & 1 ? 0.5 : -0.4, i & 2 ? 0.3 : -0.3, i & 4 ? 0.6 : -0.5));
-    bullet.add(std::move(hull), 0, test::vec(8, 0.3, 5));
+      hull->addPoint(vec(i & 1 ? 0.5 : -0.4, i & 2 ? 0.3 : -0.3, i & 4 ? 0.6 : -0.5));
+    bullet.add(std::move(hull), 0, vec(8, 0.3, 5));
     addSharedMesh();
-    mover =
-        bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(6)), 0, test::vec(-1, 0.4, 3));
-    mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    mover->setActivationState(DISABLE_DEACTIVATION);
+    mover = bullet.add(std::make_unique<btCapsuleShape>(btScalar(0.3), btScalar(6)), 0, vec(-1, 0.4, 3));
+    makeKinematic(*mover);
   }
 
   /// Bullet counts the readers of such a mesh; several cubes fall on it.
   void addSharedMesh() {
     auto mesh = std::make_unique<btTriangleMesh>();
-    for (int i = 0; i < 14; ++i)
-      mesh->addTriangle(test::vec(i, 0.05, 6), test::vec(i, 0.1, 9), test::vec(i + 1, 0.1, 6));
+    for (int i = 0; i < 14; ++i) mesh->addTriangle(vec(i, 0.05, 6), vec(i, 0.1, 9), vec(i + 1, 0.1, 6));
     auto shape = std::make_unique<btGImpactMeshShape>(mesh.get());
     shape->updateBound();
     bullet.meshes.push_back(std::move(mesh));
-    bullet.add(std::move(shape), 0, test::vec(0, 0, 0));
+    bullet.add(std::move(shape), 0, vec(0, 0, 0));
   }
 
   void addLinked() {
-    SoftBody* a = *system.createBody(test::cubeNetwork(), at(-6, 3, 0));
-    SoftBody* b = *system.createBody(test::chainNetwork(12), at(-6, 5, 2));
+    SoftBody* a = *system.createBody(cubeNetwork(), settingsAt({-6, 3, 0}));
+    SoftBody* b = *system.createBody(chainNetwork(12), settingsAt({-6, 5, 2}));
     b->pin(0);
     (void)*system.addSpring({a->point(1)}, {b->point(12)});
-    btRigidBody* box = bullet.addBox(test::vec(0.2, 0.2, 0.2), 0.5, test::vec(-7, 2, 0));
+    btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 0.5, vec(-7, 2, 0));
     (void)system.attach(a, 3, *box);
   }
 
   void tick() {
     btTransform pose = mover->getWorldTransform();
-    pose.setOrigin(pose.getOrigin() + test::vec(0.05, 0, 0));
+    pose.setOrigin(pose.getOrigin() + vec(0.05, 0, 0));
     mover->setWorldTransform(pose);
     bullet.tick();
   }
@@ -251,31 +234,24 @@ struct TogetherScene {
   }
 
   void addCloth(bool withBoxes) {
-    ClothSettings cloth;
-    cloth.columns = cloth.rows = 24;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.15, 0};
-    SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+    SoftBody* body = *system.createBody(squareCloth(24), settingsAt({0, 1.15, 0}));
     body->pin(0);
-    bullet.add(std::make_unique<btSphereShape>(btScalar(0.4)), 0, test::vec(0, 0.7, 0));
+    bullet.add(std::make_unique<btSphereShape>(btScalar(0.4)), 0, vec(0, 0.7, 0));
     for (int i = 0; withBoxes && i < 3; ++i)
-      bullet.addBox(test::vec(0.1, 0.05, 0.1), 0.05, test::vec(0.25 * (i - 1), 1.35 + 0.1 * i, 0.1));
+      bullet.addBox(vec(0.1, 0.05, 0.1), 0.05, vec(0.25 * (i - 1), 1.35 + 0.1 * i, 0.1));
   }
 
   /// Its cubes touch on all sides: about a thousand contacts, which the threads solve in slabs.
   void addPile() {
     for (int i = 0; i < 150; ++i) {
-      SoftBodySettings s = test::testedSettings();
-      s.position = {1.035 * (i % 5), 0.53 + 1.035 * (i / 25), 1.035 * (i / 5 % 5)};
-      (void)*system.createBody(test::closedCubeNetwork(), s);
+      SoftBodySettings s = settingsAt({1.035 * (i % 5), 0.53 + 1.035 * (i / 25), 1.035 * (i / 5 % 5)});
+      (void)*system.createBody(closedCubeNetwork(), s);
     }
   }
 
   std::uint64_t hash() const {
-    std::uint64_t h = 0;
-    for (std::size_t i = 0; i < system.bodyCount(); ++i) h = h * 31 + system.body(i)->stateHash();
-    for (const auto& object : bullet.bodies)
-      h = h * 31 + std::hash<double>()(double(object->getWorldTransform().getOrigin().y()));
+    std::uint64_t h = stateHashOf(system);
+    for (const auto& object : bullet.bodies) h = h * 31 + std::hash<double>()(heightOf(*object));
     return h;
   }
 };
@@ -324,19 +300,16 @@ TEST(ParallelTick, holdsForAllSystemsOfTheWorld) {
 }
 
 TEST(ParallelTick, leavesTheThreadsAloneInSmallWorlds) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   int calls = 0;
-  system.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
+  bullet.system.setParallelFor([&](std::size_t count, const std::function<void(std::size_t)>& task) {
     ++calls;
     for (std::size_t i = 0; i < count; ++i) task(i);
   });
   const auto add = [&](int first, int end) {
     for (int i = first; i < end; ++i) {
-      SoftBodySettings s = test::testedSettings();
-      s.position = {1.5 * (i % 20), 1.0, 1.5 * (i / 20)};
-      (void)*system.createBody(test::closedCubeNetwork(), s);
+      (void)bullet.addSoft(closedCubeNetwork(), settingsAt({1.5 * (i % 20), 1.0, 1.5 * (i / 20)}));
     }
   };
   add(0, 20);
@@ -348,28 +321,21 @@ TEST(ParallelTick, leavesTheThreadsAloneInSmallWorlds) {
 }
 
 TEST(ParallelTick, allocatesNothingAfterWarmUp) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   ThreadPool pool(2);
-  system.setParallelFor(pool.parallelFor());
+  bullet.system.setParallelFor(pool.parallelFor());
   const auto add = [&](const SharedNetwork& network, double x) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {x, 1.0, 0};
-    SoftBody* body = *system.createBody(network, s);
+    SoftBody* body = bullet.addSoft(network, settingsAt({x, 1.0, 0}));
     body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   };
-  for (int i = 0; i < 12; ++i) add(test::cubeNetwork(), 1.5 * i);
-  ClothSettings cloth;
-  cloth.columns = cloth.rows = 24;
-  add(*buildCloth(cloth), -3.0);
+  for (int i = 0; i < 12; ++i) add(cubeNetwork(), 1.5 * i);
+  add(squareCloth(24), -3.0);
   bullet.simulate(3.0);
   // both threads must have had each kind of work once, and no one knows when
   std::size_t allocations = 1;
   for (int second = 0; second < 20 && allocations > 0; ++second) {
-    const test::AllocationCounter counter;
-    bullet.simulate(1.0);
-    allocations = counter.allocations();
+    allocations = allocationsIn([&] { bullet.simulate(1.0); });
   }
   EXPECT_EQ(allocations, 0u);
 }
@@ -430,5 +396,51 @@ TEST(ParallelTick, runsOnBulletsSchedulers) {
   EXPECT_GT(scheduler.calls, kFairTicks);
 }
 
+// --- two worlds --------------------------------------------------------------------------------------------
+
+/// Six cubes tumbling onto a box floor, two of them joined by a spring, one dragging a rigid box.
+struct Tumble : SoftWorld {
+  Tumble() {
+    addBoxFloor();
+    for (int i = 0; i < 6; ++i) {
+      SoftBodySettings s = settingsAt({1.3 * i, 1.5 + 0.3 * i, 0.2 * i});
+      s.rotation = Eigen::Quaterniond(0.5, 0.5, i % 2 ? 0.5 : -0.5, 0.5);
+      s.angularVelocity = {1.0 * i, 0.5, -1.0};
+      addSoft(cubeNetwork(), s);
+    }
+    btRigidBody* box = addBox(vec(0.3, 0.3, 0.3), 0.5, vec(2.6, 4, 0));
+    EXPECT_TRUE(system.addSpring({system.body(0)->point(1)}, {system.body(1)->point(2)}));
+    EXPECT_TRUE(system.attach(system.body(2), 3, *box));
+  }
+};
+
+TEST(Determinism, twoWorldsAgreeBitForBitEveryTick) {
+  Tumble a, b;
+  for (int i = 0; i < 300; ++i) {
+    a.tick();
+    b.tick();
+    ASSERT_EQ(stateHashOf(a.system), stateHashOf(b.system)) << "tick " << i;
+  }
+}
+
+TEST(Determinism, springsAloneGiveTheGoldenHash) {
+  // Without contacts only the plugin's arithmetic and Bullet's transfer of velocities take part. The bits are
+  // therefore the same on every x86-64 machine and in every build type. A change of the hash is a change of
+  // the physics and needs an explanation.
+  SoftWorld bullet;
+  SoftBodySettings s = testedSettings();
+  s.rotation = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5);
+  s.angularVelocity = {1.0, 0.5, -1.0};
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
+  body->pin(3);
+  bullet.simulate(5.0);
+#ifdef BT_USE_DOUBLE_PRECISION
+  const std::uint64_t golden = 0x623feb9d3aaba068;
+#else
+  const std::uint64_t golden = 0xdf3a2497735f2b1e;
+#endif
+  EXPECT_EQ(body->stateHash(), golden) << "new hash: 0x" << std::hex << body->stateHash();
+}
+
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

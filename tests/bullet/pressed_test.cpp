@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // A kinematic hand that presses something farther than it can yield: the forces stay finite.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 /// A box that moves down to a height and stays there.
 struct Hand {
@@ -55,18 +45,16 @@ double forceBetween(const BulletWorld& bullet, const btRigidBody* a, const btRig
 /// 70 N at 1/60 s, as its impulses end after ten iterations; here they end with the softness of contacts.
 TEST(Pressed, aBlockOnTheFloorIsNotShotAway) {
   for (const double tick : {1.0 / 60, 1.0 / 240}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    btRigidBody* block = bullet.addBox(vec(0.1, 0.03, 0.1), 1.0, vec(0, 0.03, 0));
-    block->setActivationState(DISABLE_DEACTIVATION);
-    SoftBodySettings s = test::testedSettings();
+    btRigidBody* block = bullet.addAwakeBox(vec(0.1, 0.03, 0.1), 1.0, vec(0, 0.03, 0));
+    SoftBodySettings s = testedSettings();
     s.totalMass = 0.2;
     s.damping = 1.0;
     s.scale.setConstant(0.06);
     s.pointRadius = 0.001;
     s.position = {0.1315, 0.031, 0};
-    SoftBody* jelly = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* jelly = bullet.addSoft(closedCubeNetwork(), s);
     Hand hand(bullet, vec(0.03, 0.03, 0.03), vec(-0.05, 0.12, 0));
     double fastest = 0.0, strongest = 0.0;
     for (double t = 0.0; t < 2.0; t += tick) {
@@ -79,27 +67,21 @@ TEST(Pressed, aBlockOnTheFloorIsNotShotAway) {
     EXPECT_LT(strongest * tick, 400.0) << tick << ": the softness ends the impulse, whatever the tick";
     EXPECT_GT(strongest, 10.0) << tick;
     EXPECT_NEAR(jelly->centerOfMass().y(), 0.031, 0.003) << tick;
-    EXPECT_NEAR(double(block->getCenterOfMassPosition().y()), 0.0285, 0.002) << tick;
+    EXPECT_NEAR(heightOf(*block), 0.0285, 0.002) << tick;
   }
 }
 
 /// Points between the hand and the floor, closer than the cloth is thick.
 TEST(Pressed, aClothOnTheFloorIsNotPressedEverHarder) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btStaticPlaneShape plane(vec(0, 1, 0), 0);
   btRigidBody floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane));
   bullet.world->addRigidBody(&floor);
-  ClothSettings cloth;
-  cloth.width = cloth.depth = 0.4;
-  cloth.columns = cloth.rows = 14;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({0, 0.00404, 0});
   s.totalMass = 0.1;
-  s.extensionStiffness = s.compressionStiffness = 500.0;
-  s.damping = 0.05;
+  setSprings(s, 500.0, 0.05);
   s.pointRadius = 0.004;
-  s.position = {0, 0.00404, 0};
-  SoftBody* body = *system.createBody(*buildCloth(cloth), s);
+  SoftBody* body = bullet.addSoft(squareCloth(14, 0.4), s);
   Hand hand(bullet, vec(0.03, 0.02, 0.03), vec(0, 0.06, 0));
   const auto press = [&](double seconds) {
     for (double t = 0.0; t < seconds; t += 1.0 / 60) {
@@ -127,4 +109,4 @@ TEST(Pressed, aClothOnTheFloorIsNotPressedEverHarder) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of surfaces as manifolds in Bullet's dispatcher: correct, without effect on the simulation, and
 // never with objects that have left the world.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
+#include "support/soft_world.h"
 
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
-
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kRadius;
-using test::kTick;
-using test::vec;
-
 SoftBody* addReportedCube(SoftBodySystem& system, double height, double x = 0.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {x, height, 0};
-  s.extensionStiffness = s.compressionStiffness = 2000;
-  s.damping = 5;
+  SoftBodySettings s = settingsAt({x, height, 0});
+  setSprings(s, 2000, 5);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 std::vector<btPersistentManifold*> manifoldsOf(BulletWorld& bullet, const btCollisionObject* object) {
@@ -38,26 +23,24 @@ std::vector<btPersistentManifold*> manifoldsOf(BulletWorld& bullet, const btColl
 }
 
 TEST(ReportedManifolds, noneAreShownUnlessAskedFor) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addReportedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addReportedCube(bullet.system, 0.5 + kRadius);
   bullet.simulate(0.5);
   EXPECT_FALSE(cube->contacts().empty());
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
-  system.reportManifolds(true);
+  bullet.system.reportManifolds(true);
   bullet.tick();
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 1);
-  system.reportManifolds(false);
+  bullet.system.reportManifolds(false);
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
 }
 
 TEST(ReportedManifolds, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  system.reportManifolds(true);
-  SoftBody* cube = addReportedCube(system, 0.5 + kRadius);
+  bullet.system.reportManifolds(true);
+  SoftBody* cube = addReportedCube(bullet.system, 0.5 + kRadius);
   cube->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(8.0);
   const auto manifolds = manifoldsOf(bullet, cube->surfaceObject());
@@ -87,12 +70,11 @@ TEST(ReportedManifolds, aManifoldBearsTheWeightAndLeadsBackToTheTriangle) {
 
 /// Returns the states of a mixed scene. It includes rigid bodies that only Bullet's solver steps.
 std::vector<double> run(bool report, int ticks) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  system.reportManifolds(report);
-  SoftBody* cubes[] = {addReportedCube(system, 0.6), addReportedCube(system, 1.7),
-                       addReportedCube(system, 0.7, 3.0)};
+  bullet.system.reportManifolds(report);
+  SoftBody* cubes[] = {addReportedCube(bullet.system, 0.6), addReportedCube(bullet.system, 1.7),
+                       addReportedCube(bullet.system, 0.7, 3.0)};
   std::vector<btRigidBody*> boxes;
   for (int i = 0; i < 6; ++i)
     boxes.push_back(
@@ -111,12 +93,11 @@ std::vector<double> run(bool report, int ticks) {
 TEST(ReportedManifolds, changeNothing) { EXPECT_EQ(run(false, 600), run(true, 600)); }
 
 TEST(ReportedManifolds, twoSoftBodiesShareAManifold) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  system.reportManifolds(true);
-  SoftBody* lower = addReportedCube(system, 0.5 + kRadius);
-  SoftBody* upper = addReportedCube(system, 1.5 + 3 * kRadius);
+  bullet.system.reportManifolds(true);
+  SoftBody* lower = addReportedCube(bullet.system, 0.5 + kRadius);
+  SoftBody* upper = addReportedCube(bullet.system, 1.5 + 3 * kRadius);
   bullet.simulate(1.0);
   const auto manifolds = manifoldsOf(bullet, upper->surfaceObject());
   ASSERT_EQ(manifolds.size(), 1u);
@@ -131,29 +112,27 @@ int contactsEnded;
 void countEnd(btPersistentManifold* const&) { ++contactsEnded; }
 
 TEST(ReportedManifolds, BulletsCallbacksAreNotCalled) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  system.reportManifolds(true);
-  addReportedCube(system, 0.5 + kRadius);
+  bullet.system.reportManifolds(true);
+  addReportedCube(bullet.system, 0.5 + kRadius);
   contactsEnded = 0;
   gContactEndedCallback = countEnd;
   bullet.simulate(0.5);
-  system.removeAll();
+  bullet.system.removeAll();
   gContactEndedCallback = nullptr;
   EXPECT_EQ(contactsEnded, 0);
 }
 
 TEST(ReportedManifolds, noManifoldNamesWhatHasLeftTheWorld) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  system.reportManifolds(true);
-  SoftBody* cube = addReportedCube(system, 0.5 + kRadius);
-  SoftBody* second = addReportedCube(system, 0.5 + kRadius, 3.0);
+  bullet.system.reportManifolds(true);
+  SoftBody* cube = addReportedCube(bullet.system, 0.5 + kRadius);
+  SoftBody* second = addReportedCube(bullet.system, 0.5 + kRadius, 3.0);
   bullet.simulate(0.5);
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 2);
-  system.destroyBody(second);
+  bullet.system.destroyBody(second);
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 1);
   bullet.world->removeRigidBody(floor);
   EXPECT_EQ(bullet.dispatcher.getNumManifolds(), 0);
@@ -192,4 +171,4 @@ TEST(ReportedManifolds, worldSystemAndBodiesGoInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,30 +1,18 @@
 // SPDX-License-Identifier: Zlib
 // A body at rest stays at rest: for a minute, on every kind of floor, soft or stiff.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kGravity;
 
 void expectLastingRest(BulletWorld& bullet, double stiffness) {
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.1 * 2.0 * std::sqrt(stiffness * 0.125);
-  s.position = {0.1, 0.8, 0.05};
+  SoftBodySettings s = settingsAt({0.1, 0.8, 0.05});
+  setSprings(s, stiffness, 0.1 * 2.0 * std::sqrt(stiffness * 0.125));
   s.sleepingSpeed = 0.0;
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* body = *system.createBody(fullCubeNetwork(), s);
   const double radius = pointRadius(body->network(), s);
   const auto energy = [&] {
     return body->kineticEnergy() + body->elasticEnergy() + kGravity * body->centerOfMass().y();
@@ -53,4 +41,4 @@ TEST(Rest, energyNeverRisesForAMinuteAndNoPointSinks) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,24 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Hits of rigid bodies with each other and with the ground. A spring of no force lets the plugin find them
 // within the tick, where Bullet finds them after it.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::eigen;
-using test::vec;
 
 void attachWeakSpring(SoftBodySystem& system, btRigidBody* body) {
   SpringSettings s;
@@ -29,7 +20,7 @@ void attachWeakSpring(SoftBodySystem& system, btRigidBody* body) {
 
 /// Returns the speeds (m/s) of two balls of 1 kg after a central impact. The first may hang on a spring.
 std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   const auto add = [&](double x) {
     btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.25)), 1.0, vec(x, 0, 0));
     ball->setActivationState(DISABLE_DEACTIVATION);
@@ -37,8 +28,7 @@ std::pair<double, double> speedsAfterAHit(double speed, bool onSpring) {
   };
   btRigidBody *first = add(-1.003), *second = add(0.0);
   first->setLinearVelocity(vec(speed, 0, 0));
-  SoftBodySystem system(*bullet.world);
-  if (onSpring) attachWeakSpring(system, first);
+  if (onSpring) attachWeakSpring(bullet.system, first);
   bullet.simulate(2.0 / speed + 0.5);
   return {double(first->getLinearVelocity().x()), double(second->getLinearVelocity().x())};
 }
@@ -57,7 +47,7 @@ TEST(RigidHits, ofBodiesOnASpringOfNoForceAreAtLeastAsExactAsWithoutIt) {
 /// A ball on a spring of no force passes another of the same size along x at 5 m/s. `aside`: m, of their
 /// centres. Returns its velocity (m/s) afterwards.
 Eigen::Vector3d velocityPast(double aside, double restitution, double tick) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   const auto add = [&](double x, double z) {
     btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.05)), 0.2, vec(x, 0, z));
     ball->setActivationState(DISABLE_DEACTIVATION);
@@ -66,8 +56,7 @@ Eigen::Vector3d velocityPast(double aside, double restitution, double tick) {
     return ball;
   };
   btRigidBody *moving = add(-0.523, aside), *other = add(0, 0);
-  SoftBodySystem system(*bullet.world);
-  for (btRigidBody* ball : {moving, other}) attachWeakSpring(system, ball);
+  for (btRigidBody* ball : {moving, other}) attachWeakSpring(bullet.system, ball);
   moving->setLinearVelocity(vec(5, 0, 0));
   bullet.simulate(0.25, tick);
   return eigen(moving->getLinearVelocity());
@@ -120,18 +109,16 @@ TEST(RigidHits, doNotHappenToPairsThatANearCallbackLeavesOut) {
 
 /// Returns the height (m) to which a box of 2 kg hops when it is dropped from 2 cm and then pushed.
 double hop(bool onSpring) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 0.22, 0));
-  box->setActivationState(DISABLE_DEACTIVATION);
-  SoftBodySystem system(*bullet.world);
-  if (onSpring) attachWeakSpring(system, box);
+  btRigidBody* box = bullet.addAwakeBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 0.22, 0));
+  if (onSpring) attachWeakSpring(bullet.system, box);
   bullet.simulate(0.1);
   box->setLinearVelocity(box->getLinearVelocity() + vec(1, 0, 0));
   double highest = 0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
-    highest = std::max(highest, double(box->getWorldTransform().getOrigin().y()) - 0.2);
+    highest = std::max(highest, heightOf(*box) - 0.2);
   }
   return highest;
 }
@@ -144,7 +131,7 @@ TEST(RigidHits, ofABoxThatIsPushedOnTheFloorDoNotMakeItHop) { EXPECT_NEAR(hop(tr
 /// speed afterwards as a share of the first one.
 double speedLeftOnTiles(std::unique_ptr<btCollisionShape> shape, double height, double friction, double start,
                         double speed, double tick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   for (int i = 0; i < 60; ++i)
     bullet.addBox(vec(0.05, 0.05, 0.5), 0.0, vec(0.1 * i - 0.5, -0.05, 0))->setFriction(btScalar(friction));
   const bool rolls = shape->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
@@ -153,8 +140,7 @@ double speedLeftOnTiles(std::unique_ptr<btCollisionShape> shape, double height, 
   body->setActivationState(DISABLE_DEACTIVATION);
   body->setLinearVelocity(vec(speed, 0, 0));
   if (rolls) body->setAngularVelocity(vec(0, 0, -speed / height));
-  SoftBodySystem system(*bullet.world);
-  attachWeakSpring(system, body);
+  attachWeakSpring(bullet.system, body);
   bullet.simulate(3.0 / speed, tick);
   return double(body->getLinearVelocity().x()) / speed;
 }
@@ -184,4 +170,4 @@ TEST(RigidHits, ofARollingBallWithTheSeamsOfTilesHardlySlowIt) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

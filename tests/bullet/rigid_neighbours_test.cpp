@@ -1,44 +1,26 @@
 // SPDX-License-Identifier: Zlib
 // Rigid bodies that touch or carry soft bodies or hang on them. Bullet acts on them before, during and after
 // the plugin's part of a tick.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::eigen;
-using test::vec;
-
-double heightOf(const btRigidBody& body) { return double(body.getWorldTransform().getOrigin().y()); }
-
 btRigidBody* addAwakeBox(BulletWorld& bullet, double half, double mass, const btVector3& position) {
-  btRigidBody* box = bullet.addBox(vec(half, half, half), mass, position);
-  box->setActivationState(DISABLE_DEACTIVATION);
-  return box;
+  return bullet.addAwakeBox(vec(half, half, half), mass, position);
 }
 
-/// Calls a function once, after the solver and, if it was added first, before the system.
 /// A soft cube next to a stack of two rigid boxes on the floor. It touches the lower box.
 struct CubeAtAStack {
   BulletWorld bullet;
-  test::ActionOnce action;
+  ActionOnce action;
   btRigidBody *lower, *upper;
   std::unique_ptr<SoftBodySystem> system;
   SoftBody* cube;
@@ -49,10 +31,9 @@ struct CubeAtAStack {
     lower = addAwakeBox(bullet, 0.5, 1.0, vec(0, 0.5, 0));
     upper = addAwakeBox(bullet, 0.5, 1.0, vec(0, 1.5, 0));
     system = std::make_unique<SoftBodySystem>(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {1.02, 0.52, 0};
+    SoftBodySettings s = settingsAt({1.02, 0.52, 0});
     s.damping = 10;
-    cube = *system->createBody(test::cubeNetwork(), s);
+    cube = *system->createBody(cubeNetwork(), s);
     bullet.simulate(0.5);
     EXPECT_NEAR(heightOf(*upper), 1.5, 0.01);
   }
@@ -107,21 +88,20 @@ TEST(RigidNeighbours, mayGoInATickBeforeTheSystemHearsOfItsEnd) {
   };
   scene.bullet.simulate(0.5);
   EXPECT_TRUE(scene.cube->alive());
-  EXPECT_EQ(scene.bullet.world->getNumCollisionObjects(), 1 + (test::kSurface ? 1 : 8));
+  EXPECT_EQ(scene.bullet.world->getNumCollisionObjects(), 1 + (kSurface ? 1 : 8));
 }
 
 // --- links -------------------------------------------------------------------------------------------------
 
 TEST(RigidNeighbours, ofTwoLinksOneMayGoInTheTickInWhichTheOtherComes) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   btRigidBody* first = addAwakeBox(bullet, 0.1, 1.0, vec(0, 0, 0));
   btRigidBody* second = addAwakeBox(bullet, 0.1, 1.0, vec(0, 0, 2));
-  SoftBodySystem system(*bullet.world);
   SpringSettings s;
   s.restLength = 0.5;
   s.stiffness = 10;
-  ASSERT_TRUE(system.addSpring({first}, {nullptr, vec(1, 0, 0)}, s));
-  ASSERT_TRUE(system.addSpring({second}, {nullptr, vec(1, 0, 2)}, s));
+  ASSERT_TRUE(bullet.system.addSpring({first}, {nullptr, vec(1, 0, 0)}, s));
+  ASSERT_TRUE(bullet.system.addSpring({second}, {nullptr, vec(1, 0, 2)}, s));
   bullet.world->removeRigidBody(second);
   bullet.tick();
   bullet.world->removeRigidBody(first);
@@ -134,16 +114,15 @@ TEST(RigidNeighbours, ofTwoLinksOneMayGoInTheTickInWhichTheOtherComes) {
 
 TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
   // two springs are attached to a body that is static at first; when it becomes dynamic, it connects them
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   btRigidBody* middle = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(0, 0, 0));
   btRigidBody* left = addAwakeBox(bullet, 0.1, 1.0, vec(-1, 0, 0));
   btRigidBody* right = addAwakeBox(bullet, 0.1, 1.0, vec(1, 0, 0));
-  SoftBodySystem system(*bullet.world);
   SpringSettings s;
   s.restLength = 0.5;
   s.stiffness = 10;
-  ASSERT_TRUE(system.addSpring({left}, {middle}, s));
-  ASSERT_TRUE(system.addSpring({right}, {middle}, s));
+  ASSERT_TRUE(bullet.system.addSpring({left}, {middle}, s));
+  ASSERT_TRUE(bullet.system.addSpring({right}, {middle}, s));
   bullet.tick();
   bullet.world->removeRigidBody(middle);
   middle->setMassProps(1.0, vec(0.01, 0.01, 0.01));
@@ -166,15 +145,13 @@ TEST(RigidNeighbours, areJoinedByTheirLinksWhenTheyBecomeFree) {
 /// Returns the speed (m/s) of a point after it has hit the floor at 2 m/s. Optionally a tiny box flies next
 /// to it and touches nothing.
 double rebound(bool withCrumb) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   bullet.addBoxFloor()->setRestitution(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.2, 0};
+  SoftBodySettings s = settingsAt({0, 0.2, 0});
   s.linearVelocity = {0, -2, 0};
   s.restitution = 1;
   s.damping = 0;
-  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  SoftBody* body = bullet.addSoft(pairNetwork(), s);
   if (withCrumb) {
     const double distance = double(body->point(0)->getCollisionShape()->getMargin()) + 0.006;
     const btVector3 position = body->point(0)->getWorldTransform().getOrigin() + vec(0, distance + 0.1, 0);
@@ -192,15 +169,13 @@ double rebound(bool withCrumb) {
 /// loses a quarter of its energy at 1/60 s in ten seconds.
 TEST(RigidNeighbours, thatTumbleOnASpringKeepEnergyAndAngularMomentum) {
   for (const double tick : {1.0 / 240, 1.0 / 60, 1.0 / 30}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.world->setGravity(vec(0, 0, 0));
-    SoftBodySystem system(*bullet.world);
-    btRigidBody* box = bullet.addBox(vec(0.3, 0.6, 1.0), 3, vec(0, 0, 0));
-    box->setActivationState(DISABLE_DEACTIVATION);
+    btRigidBody* box = bullet.addAwakeBox(vec(0.3, 0.6, 1.0), 3, vec(0, 0, 0));
     box->setAngularVelocity(vec(2, 1, 3));
     SpringSettings weak;
     weak.stiffness = 1e-6;
-    ASSERT_TRUE(system.addSpring({box, vec(0.1, 0, 0)}, {nullptr, vec(3, 0, 0)}, weak));
+    ASSERT_TRUE(bullet.system.addSpring({box, vec(0.1, 0, 0)}, {nullptr, vec(3, 0, 0)}, weak));
     const auto momentum = [&] {
       const btMatrix3x3 inertia = box->getInvInertiaTensorWorld().inverse();
       return Eigen::Vector3d(eigen(inertia * box->getAngularVelocity()));
@@ -228,15 +203,13 @@ struct StackBesideACube {
 
   explicit StackBesideACube(bool twoSystems) {
     bullet.addBoxFloor();
-    SoftBodySettings s = test::testedSettings();
-    s.extensionStiffness = s.compressionStiffness = 1e4;
-    s.damping = 10;
-    s.position = {0, 0.5 + test::kRadius, 0};
-    s.pointRadius = test::kRadius;
-    carrier = *first.createBody(test::fullCubeNetwork(), s);
+    SoftBodySettings s = settingsAt({0, 0.5 + kRadius, 0});
+    setSprings(s, 1e4, 10);
+    s.pointRadius = kRadius;
+    carrier = *first.createBody(fullCubeNetwork(), s);
     s.position.x() = 5;
-    other = *(twoSystems ? second : first).createBody(test::fullCubeNetwork(), s);
-    const double top = 1 + 2 * test::kRadius;
+    other = *(twoSystems ? second : first).createBody(fullCubeNetwork(), s);
+    const double top = 1 + 2 * kRadius;
     bullet.addBox(vec(0.7, 0.1, 0.7), 1.0, vec(0, top + 0.1, 0))->setActivationState(DISABLE_DEACTIVATION);
     box = addAwakeBox(bullet, 0.4, 10.0, vec(0, top + 0.6, 0));
     bullet.simulate(4.0);
@@ -305,7 +278,7 @@ struct BoxAboveBoard {
 
   double energy() const {
     double sum = 0.0;
-    for (const btRigidBody* body : {board, box}) sum += test::energyOf(*body, 9.81);
+    for (const btRigidBody* body : {board, box}) sum += energyOf(*body, 9.81);
     for (const SpringConstraint* spring : springs)
       sum += 0.5 * spring->settings().stiffness * std::pow(std::max(0.0, spring->length() - 1.0), 2);
     return sum;
@@ -348,17 +321,15 @@ TEST(RigidNeighbours, fallingOnABoardOnSpringsReboundAlikeAtAnyTick) {
 /// The floor stops a box within the tick of the hit, and so the end of the rope on it.
 TEST(RigidNeighbours, thatHitTheFloorKeepWhatIsAttachedToThem) {
   for (const bool plane : {true, false}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     plane ? bullet.addPlaneFloor() : bullet.addBoxFloor();
     btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 2.0, vec(0, 2, 0));
     box->setLinearVelocity(vec(0, -7, 0));
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 3.3, 0};
+    SoftBodySettings s = settingsAt({0, 3.3, 0});
     s.linearVelocity = {0, -7, 0};
     s.totalMass = 0.2;
-    SoftBody* rope = *system.createBody(test::chainNetwork(8), s);
-    ASSERT_TRUE(system.attach(rope, 8, *box));
+    SoftBody* rope = bullet.addSoft(chainNetwork(8), s);
+    ASSERT_TRUE(bullet.system.attach(rope, 8, *box));
     const btVector3 pivot(0, btScalar(rope->position(8).y() - 2.0), 0);
     for (int i = 0; i < 40; ++i) {
       bullet.tick();
@@ -373,33 +344,29 @@ TEST(RigidNeighbours, thatHitTheFloorKeepWhatIsAttachedToThem) {
 /// the energy that joints add must not take the work of the palm.
 TEST(RigidNeighbours, onAnAcceleratingPalmMoveAsFastAsTheirVelocitySays) {
   constexpr double kAcceleration = 0.5, kMass = 0.5;
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* palm = bullet.addBox(vec(0.02, 0.02, 0.02), 0.0, vec(0, -3, 0));
-  palm->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  palm->setActivationState(DISABLE_DEACTIVATION);
-  btRigidBody* plate = bullet.addBox(vec(1, 0.01, 1), 0.2, vec(0, 0, 0));
-  plate->setActivationState(DISABLE_DEACTIVATION);
+  makeKinematic(*palm);
+  btRigidBody* plate = bullet.addAwakeBox(vec(1, 0.01, 1), 0.2, vec(0, 0, 0));
   btTransform atPlate = btTransform::getIdentity();
   btTransform atPalm(btQuaternion::getIdentity(), vec(0, 3, 0));
   btFixedConstraint grip(*palm, *plate, atPalm, atPlate);
   bullet.world->addConstraint(&grip, true);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.51 + test::kRadius, 0};
-  s.pointRadius = test::kRadius;
+  SoftBodySettings s = settingsAt({0, 0.51 + kRadius, 0});
+  s.pointRadius = kRadius;
   s.totalMass = kMass;
   s.damping = 5.0;
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
   double height = -3.0, speed = 0.0, last = 0.0, momentum = 0.0;
   for (int i = 0; i < 120; ++i) {
-    if (i > 30) speed += kAcceleration * test::kTick;
-    height += speed * test::kTick;
+    if (i > 30) speed += kAcceleration * kTick;
+    height += speed * kTick;
     palm->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, height, 0)));
     bullet.tick();
     const double moved = heightOf(*plate) - last;
     last = heightOf(*plate);
     // heights of floats at 1 m, and the joint's correction of its error
-    EXPECT_NEAR(double(plate->getLinearVelocity().y()), moved / test::kTick, 1e-4) << i;
+    EXPECT_NEAR(double(plate->getLinearVelocity().y()), moved / kTick, 1e-4) << i;
     if (i >= 60) momentum += cube->linearMomentum().y();
   }
   // the mean of the last second
@@ -412,16 +379,13 @@ TEST(RigidNeighbours, onAnAcceleratingPalmMoveAsFastAsTheirVelocitySays) {
 TEST(RigidNeighbours, madeOnAPlaneUnderASoftBodyStayThere) {
   for (const double stiffness : {1e3, 1e6})
     for (const double half : {1.0, 5.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       bullet.addPlaneFloor();
       btRigidBody* plank = bullet.addBox(vec(half, 0.1, half), 50.0, vec(0, 0.1, 0));
-      SoftBodySettings s = test::testedSettings();
-      s.position = {0, 0.7 + test::kRadius, 0};
-      s.pointRadius = test::kRadius;
-      s.extensionStiffness = s.compressionStiffness = stiffness;
-      s.damping = 0.02 * std::sqrt(stiffness);
-      ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), s));
+      SoftBodySettings s = settingsAt({0, 0.7 + kRadius, 0});
+      s.pointRadius = kRadius;
+      setSprings(s, stiffness, 0.02 * std::sqrt(stiffness));
+      ASSERT_TRUE(bullet.system.createBody(closedCubeNetwork(), s));
       double highest = 0.0;
       for (int i = 0; i < 120; ++i) {
         bullet.tick();
@@ -444,7 +408,7 @@ TEST(RigidNeighbours, ofGImpactShapesMayCarrySoftBodies) {
   btRigidBody first(1, nullptr, &brick, vec(0.1, 0.1, 0.1));
   first.setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(5, 0.2, 0)));
   bullet.world.addRigidBody(&first);
-  bullet.world.stepSimulation(btScalar(test::kTick), 0);
+  bullet.world.stepSimulation(btScalar(kTick), 0);
   GImpactTetrahedron tetrahedron;
   btVector3 inertia;
   tetrahedron.shape.calculateLocalInertia(1, inertia);
@@ -453,16 +417,15 @@ TEST(RigidNeighbours, ofGImpactShapesMayCarrySoftBodies) {
   bullet.world.addRigidBody(&rigid);
   {
     SoftBodySystem system(bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.2, 0};
+    SoftBodySettings s = settingsAt({0, 1.2, 0});
     s.collisionMask = 0;
-    SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* cube = *system.createBody(cubeNetwork(), s);
     ASSERT_TRUE(system.attach(cube, 0, rigid));
-    for (int i = 0; i < 60; ++i) bullet.world.stepSimulation(btScalar(test::kTick), 0);
+    for (int i = 0; i < 60; ++i) bullet.world.stepSimulation(btScalar(kTick), 0);
     EXPECT_GT(heightOf(rigid), 0.05) << "on the floor, upright or not";
   }
   for (btRigidBody* body : {&rigid, &first, &floor}) bullet.world.removeRigidBody(body);
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -2,23 +2,15 @@
 // A soft cube collides with every shape of Bullet. A rigid cube of the same size and mass in the same
 // situation must behave alike.
 #include "fuzz/bullet_shapes.h"
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 
-#include <gtest/gtest.h>
-
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
 using fuzz::OwnedShape;
-using test::BulletWorld;
-using test::vec;
 
 constexpr double kHalf = 0.15;        ///< m, of both cubes; includes the radius of the soft one's points
 constexpr double kTwinRadius = 0.01;  ///< m, of the soft cube's points
@@ -93,9 +85,8 @@ struct TwinWorld {
     s.position = position;
     s.scale = Vector3d::Constant(2.0 * (kHalf - kTwinRadius));
     s.pointRadius = kTwinRadius;
-    s.extensionStiffness = s.compressionStiffness = stiffness;
-    s.damping = 20.0;
-    return *system.createBody(test::closedCubeNetwork(), s);
+    setSprings(s, stiffness, 20.0);
+    return *system.createBody(closedCubeNetwork(), s);
   }
 
   BulletWorld bullet;
@@ -111,7 +102,7 @@ double restOfRigidCube(const ShapeCase& shape) {
   const double top = twin.top();
   const btRigidBody* cube = twin.addRigidCube({0, top + kHalf + 0.02, 0});
   twin.bullet.simulate(1.0);
-  return double(cube->getCenterOfMassPosition().y()) - top;
+  return heightOf(*cube) - top;
 }
 
 double restOfSoftCube(const ShapeCase& shape) {
@@ -198,7 +189,7 @@ double lowestOctahedron(bool gimpact) {
   SoftBodySettings s;
   s.position = {0, 0.55, 0};
   s.extensionStiffness = s.compressionStiffness = 5000.0;
-  twin.system.createBody(test::cubeNetwork(), s);
+  twin.system.createBody(cubeNetwork(), s);
   btVector3 inertia;
   hull.calculateLocalInertia(btScalar(0.5), inertia);
   twin.body = std::make_unique<btRigidBody>(btScalar(0.5), nullptr, &shape, inertia);
@@ -219,4 +210,4 @@ TEST(SurfaceTwin, aGImpactMeshDoesNotFallThroughAFace) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

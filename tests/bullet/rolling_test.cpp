@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Rolling and spinning friction of rigid bodies whose contacts are solved together with springs.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <memory>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kGravity;
-using test::vec;
 
 constexpr double kBallRadius = 0.5;
 
@@ -47,10 +33,9 @@ void attachLooseSpring(SoftBodySystem& system, btRigidBody* ball) {
 TEST(RollingFriction, slowsABallAsItsMomentDoes) {
   for (const double speed : {0.5, 2.0})
     for (const double rolling : {0.0, 0.05}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       btRigidBody* ball = addBall(bullet, rolling, 0.0);
-      attachLooseSpring(system, ball);
+      attachLooseSpring(bullet.system, ball);
       ball->setLinearVelocity(vec(btScalar(speed), 0, 0));
       ball->setAngularVelocity(vec(0, 0, btScalar(-speed / kBallRadius)));
       bullet.simulate(0.5);
@@ -64,10 +49,9 @@ TEST(RollingFriction, slowsABallAsItsMomentDoes) {
 }
 
 TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   btRigidBody* ball = addBall(bullet, 0.01, 0.05);
-  attachLooseSpring(system, ball);
+  attachLooseSpring(bullet.system, ball);
   ball->setAngularVelocity(vec(0, 10, 0));
   bullet.simulate(1.0);
   const double slower = 0.05 * kGravity / (0.4 * kBallRadius * kBallRadius);
@@ -78,11 +62,10 @@ TEST(RollingFriction, ofASpinAboutTheNormalIsAnother) {
 /// placed there before the tick.
 TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
   for (const bool massChanged : {false, true}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s;
     s.collision = Collision::Points;
-    SoftBody& cube = **system.createBody(test::cubeNetwork(), s);
+    SoftBody& cube = *bullet.addSoft(cubeNetwork(), s);
     if (massChanged)
       for (std::uint32_t i = 0; i < 8; ++i) cube.point(i)->setMassProps(btScalar(0.3), btVector3(0, 0, 0));
     btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(0, 0, 0));
@@ -94,8 +77,8 @@ TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
     for (int i = 0; i < 5; ++i) {
       plane->getWorldTransform().setRotation(btQuaternion(vec(0, 0, 1), btScalar(0.05 * (i + 1))));
       bullet.tick();
-      EXPECT_TRUE(test::eigen(box->getLinearVelocity()).allFinite()) << i;
-      for (const SoftContact& c : cube.contacts()) EXPECT_TRUE(test::eigen(c.impulse).allFinite()) << i;
+      EXPECT_TRUE(eigen(box->getLinearVelocity()).allFinite()) << i;
+      for (const SoftContact& c : cube.contacts()) EXPECT_TRUE(eigen(c.impulse).allFinite()) << i;
       for (std::uint32_t p = 0; p < 8; ++p)
         EXPECT_EQ(cube.point(p)->getAngularVelocity(), btVector3(0, 0, 0));
     }
@@ -109,25 +92,22 @@ TEST(RollingFriction, ofWhatIsPutIntoPointsTurnsNothing) {
 SharedNetwork slabNetwork() {
   TriangleMesh box = small_meshes::cube();
   for (Eigen::Vector3d& p : box.positions) p = p.cwiseProduct(Eigen::Vector3d(0.8, 0.06, 0.2));
-  MaterialMesh points;
-  points.points = 150;
-  return *buildMaterialNetwork(box, points);
+  return solidNetwork(box, 150);
 }
 
 /// Returns the energy, as a share of the kinetic energy at the start, that a ball of 1 kg and its slab have
 /// left when it has rolled or slid for 0.3 m at 0.1 m/s: 1 less what the slab's dampers have taken.
 double energyAfterARoll(const SharedNetwork& network, double friction, double tick) {
   constexpr double kRadius = 0.06, kSpeed = 0.1;
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
-  SoftBodySystem system(*bullet.world);
   Material rubber = Material::rubber();
   rubber.dampingTime = 0.02;
-  SoftBodySettings s = *withMaterial(*network, rubber, test::testedSettings());
+  SoftBodySettings s = *withMaterial(*network, rubber, testedSettings());
   s.position.y() = 0.0322;
   s.pointRadius = 0.002;
   s.sleepingSpeed = 0.0;
-  SoftBody& slab = **system.createBody(network, s);
+  SoftBody& slab = *bullet.addSoft(network, s);
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(kRadius)), 1.0,
                                  vec(-0.2, btScalar(0.0644 + kRadius), 0));
   ball->setFriction(btScalar(friction));
@@ -136,8 +116,8 @@ double energyAfterARoll(const SharedNetwork& network, double friction, double ti
   ball->setLinearVelocity(vec(btScalar(kSpeed), 0, 0));
   if (friction > 0.0) ball->setAngularVelocity(vec(0, 0, btScalar(-kSpeed / kRadius)));
   bullet.simulate(0.2, tick);
-  const auto energy = [&] { return test::energyOf(*ball, kGravity) + test::energyOf(slab, kGravity); };
-  const double before = energy(), kinetic = test::kineticEnergyOf(*ball);
+  const auto energy = [&] { return energyOf(*ball, kGravity) + energyOf(slab, kGravity); };
+  const double before = energy(), kinetic = kineticEnergyOf(*ball);
   bullet.simulate(3.0, tick);
   EXPECT_NEAR(double(ball->getWorldTransform().getOrigin().x()), 0.12, 0.03) << friction << ' ' << tick;
   return 1.0 + (energy() - before) / kinetic;
@@ -145,7 +125,7 @@ double energyAfterARoll(const SharedNetwork& network, double friction, double ti
 
 /// It sank into the next triangle by what it had moved since the last search, and was lifted for nothing.
 TEST(Rolling, aBallOnALevelSlabGainsNoEnergy) {
-  if (!test::kSurface) GTEST_SKIP() << "balls roll over the points";
+  if (!kSurface) GTEST_SKIP() << "balls roll over the points";
   const SharedNetwork network = slabNetwork();
   for (const double friction : {0.0, 0.8})
     for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0}) {
@@ -162,17 +142,14 @@ TEST(Rolling, aBallOnALevelSlabGainsNoEnergy) {
 /// Returns how far (m) a wheel of 0.4 m gets in two seconds, whose motor keeps 8 rad/s with 300 N m at most.
 /// It drives over a soft mat of 0.3 m between x = 2 m and 4 m.
 double wayOverAMat(std::unique_ptr<btCollisionShape> wheelShape) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor()->setFriction(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({3, 0.16, 0});
   s.scale = {2, 0.3, 3};
-  s.position = {3, 0.16, 0};
   s.totalMass = 20;
-  s.extensionStiffness = s.compressionStiffness = 2e4;
-  s.damping = 20;
+  setSprings(s, 2e4, 20);
   s.friction = 1;
-  (void)*system.createBody(*buildNetwork(small_meshes::cube(4)), s);
+  (void)bullet.addSoft(bracedNetwork(small_meshes::cube(4)), s);
   btRigidBody* wheel = bullet.add(std::move(wheelShape), 70, vec(0.4, 0.42, 0));
   wheel->setFriction(1);
   wheel->setAngularFactor(vec(0, 0, 1));
@@ -190,11 +167,11 @@ double wayOverAMat(std::unique_ptr<btCollisionShape> wheelShape) {
 /// Its rim presses the front edge of the mat flat. A vertex of the rim that was inside near that edge was
 /// pushed out of the mat's far side, which hooked the mat to the wheel.
 TEST(Rolling, aWheelWithFlatSidesGetsAsFarOverAMatAsARoundOne) {
-  if (!test::kSurface) GTEST_SKIP() << "the rim falls between the points";
+  if (!kSurface) GTEST_SKIP() << "the rim falls between the points";
   const double round = wayOverAMat(std::make_unique<btCapsuleShapeZ>(btScalar(0.4), btScalar(0.1)));
   EXPECT_GT(round, 5.0);
   EXPECT_NEAR(wayOverAMat(std::make_unique<btCylinderShapeZ>(vec(0.4, 0.4, 0.15))), round, 0.05 * round);
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

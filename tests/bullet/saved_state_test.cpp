@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Saved states continue to the bit: in the same world, in a new one, and through files.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
+#include "support/soft_world.h"
 
 #include <LinearMath/btSerializer.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,18 +15,10 @@
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::vec;
 using Bytes = std::vector<std::uint8_t>;
-
-SoftBodySettings placed(double x, double y, double z) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {x, y, z};
-  return s;
-}
 
 /// A floor, a static ball, and bodies of all kinds that fall on them and on each other.
 struct Scene {
@@ -41,29 +26,29 @@ struct Scene {
     bullet.addBoxFloor();
     bullet.add(std::make_unique<btSphereShape>(btScalar(0.5)), 0.0, vec(3, 0.3, 0));
     if (!withBodies) return;
-    const SharedNetwork cube = test::closedCubeNetwork();
-    SoftBodySettings s = placed(0, 0.8, 0);
+    const SharedNetwork cube = closedCubeNetwork();
+    SoftBodySettings s = settingsAt({0, 0.8, 0});
     s.angularVelocity = {1, 2, 3};
     add(cube, s);
-    s = placed(0.3, 2.0, 0.2);
+    s = settingsAt({0.3, 2.0, 0.2});
     s.pressure = 50.0;
     add(cube, s);
-    add(cube, placed(3, 2.0, 0.1));
-    s = placed(-3, 1.0, 0);
+    add(cube, settingsAt({3, 2.0, 0.1}));
+    s = settingsAt({-3, 1.0, 0});
     s.elasticLimit.yieldStrain = 0.01;
     s.elasticLimit.breakStrain = 0.1;
     s.linearVelocity = {0, -8, 0};
     add(cube, s);
-    s = placed(-6, 1.0, 0);
+    s = settingsAt({-6, 1.0, 0});
     s.extensionStiffness = s.compressionStiffness = 1e6;
     s.stepping.maxSubsteps = 10;
-    add(test::tetrahedralCubeNetwork(), s);
-    s = placed(6, 3.0, 0);
+    add(tetrahedralCubeNetwork(), s);
+    s = settingsAt({6, 3.0, 0});
     s.extensionStiffness = s.compressionStiffness = 1e7;
     s.stepping.stepper = Stepper::Newton;
     add(*buildRope({2.0, 10, 0.1}), s);
     system.body(5)->pin(0);
-    s = placed(0, 4.0, 3);
+    s = settingsAt({0, 4.0, 3});
     s.flow = FlowCoefficients();
     s.elasticLimit.yieldStrain = 0.02;
     s.elasticLimit.breakStrain = 0.2;
@@ -71,7 +56,7 @@ struct Scene {
     for (const std::uint32_t corner : {0u, 12u}) system.body(6)->pin(corner);
     EXPECT_TRUE(system.setAir({1.2, {1, 0, 0}, gusts({2, 0, 0}, 1.0, 0.5)}));
     // far from contacts, calm from the start
-    s = placed(20, 20, 20);
+    s = settingsAt({20, 20, 20});
     s.gravityFactor = 0.0;
     add(cube, s);
     SpringSettings spring;
@@ -137,14 +122,13 @@ TEST(SavedState, aNewWorldContinues) {
 struct RandomScene {
   explicit RandomScene(unsigned seed) : system(*bullet.world), random(seed) {
     bullet.addPlaneFloor();
-    const SharedNetwork networks[] = {test::closedCubeNetwork(), *buildCloth({1.5, 1.5, 6, 6}),
+    const SharedNetwork networks[] = {closedCubeNetwork(), *buildCloth({1.5, 1.5, 6, 6}),
                                       *buildRope({2.0, 12})};
     for (int i = 0; i < 4; ++i) {
       const std::size_t kind = seed % 4 < 3 ? seed % 4 : random() % 3;
-      SoftBodySettings s = placed(between(-1, 1), between(0.7, 3), between(-1, 1));
+      SoftBodySettings s = settingsAt({between(-1, 1), between(0.7, 3), between(-1, 1)});
       s.angularVelocity = {between(-3, 3), between(-3, 3), 0};
-      s.extensionStiffness = s.compressionStiffness = std::pow(10.0, between(1.5, 3.5));
-      s.damping = between(0.1, 3);
+      setSprings(s, std::pow(10.0, between(1.5, 3.5)), between(0.1, 3));
       s.totalMass = between(0.3, 5);
       if (kind > 0) s.pointRadius = 0.02;
       EXPECT_TRUE(system.createBody(networks[kind], s));
@@ -185,13 +169,13 @@ TEST(SavedState, worldsWithAnyPastContinueAlike) {
 
 // A sleeping body has no ticks in which its box in the broadphase could follow it.
 TEST(SavedState, whatFallsOnASleepingBodyTouchesItInANewWorld) {
-  if (!test::kSurface) GTEST_SKIP() << "the points of two cubes pass each other";
+  if (!kSurface) GTEST_SKIP() << "the points of two cubes pass each other";
   const auto add = [](RandomScene& scene) {
-    SoftBodySettings s = placed(8, 0.6, 0);
+    SoftBodySettings s = settingsAt({8, 0.6, 0});
     s.damping = 5.0;
-    SoftBody* below = *scene.system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* below = *scene.system.createBody(closedCubeNetwork(), s);
     s.position = {8.2, 25, 0};
-    SoftBody* above = *scene.system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* above = *scene.system.createBody(closedCubeNetwork(), s);
     return std::pair(below, above);
   };
   RandomScene old(0), fresh(0);
@@ -253,48 +237,46 @@ TEST(SavedState, contactsAreThoseOfTheSavedTick) {
 }
 
 TEST(SavedState, hasThePlacesOfSpringEndsInTheWorldAndTheirForces) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), placed(0, 2, 0));
-  SpringConstraint* spring = *system.addSpring({cube->point(0)}, {nullptr, vec(0, 4, 0)});
+  SoftWorld bullet;
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), settingsAt({0, 2, 0}));
+  SpringConstraint* spring = *bullet.system.addSpring({cube->point(0)}, {nullptr, vec(0, 4, 0)});
   bullet.simulate(0.5);
-  const Bytes saved = system.saveState();
+  const Bytes saved = bullet.system.saveState();
   const double force = spring->force();
   EXPECT_NE(force, 0.0);
   std::vector<std::uint64_t> hashes;
   const auto play = [&](auto visit) {
     for (int i = 0; i < 30; ++i) {
       if (i == 10) {
-        EXPECT_TRUE(system.moveSpring(spring, vec(1, 4, 0)));
+        EXPECT_TRUE(bullet.system.moveSpring(spring, vec(1, 4, 0)));
       }
       bullet.tick();
       visit(i);
     }
   };
   play([&](int) { hashes.push_back(cube->stateHash()); });
-  ASSERT_TRUE(system.restoreState(saved));
+  ASSERT_TRUE(bullet.system.restoreState(saved));
   EXPECT_EQ(spring->endB().pivot, vec(0, 4, 0));
   EXPECT_EQ(spring->force(), force);
   play([&](int i) { EXPECT_EQ(cube->stateHash(), hashes[static_cast<std::size_t>(i)]) << i; });
 }
 
 TEST(SavedState, leavesGrabsAlone) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* a = *system.createBody(test::closedCubeNetwork(), placed(0, 0, 0));
-  SoftBody* b = *system.createBody(test::closedCubeNetwork(), placed(3, 0, 0));
-  Result<Grab> held = grab(system, a, 0);
+  SoftWorld bullet(0.0);
+  SoftBody* a = bullet.addSoft(closedCubeNetwork(), settingsAt({0, 0, 0}));
+  SoftBody* b = bullet.addSoft(closedCubeNetwork(), settingsAt({3, 0, 0}));
+  Result<Grab> held = grab(bullet.system, a, 0);
   SpringSettings settings;
   settings.stiffness = 70.0;
-  SpringConstraint* spring = *system.addSpring({a->point(1)}, {b->point(0)}, settings);
+  SpringConstraint* spring = *bullet.system.addSpring({a->point(1)}, {b->point(0)}, settings);
   bullet.simulate(0.2);
-  const Bytes saved = system.saveState();
+  const Bytes saved = bullet.system.saveState();
   const double length = *spring->settings().restLength;
   held->release();
-  held = grab(system, a, 7);
-  const Result<Grab> another = grab(system, b, 3);
+  held = grab(bullet.system, a, 7);
+  const Result<Grab> another = grab(bullet.system, b, 3);
   bullet.simulate(0.2);
-  const Result<void> restored = system.restoreState(saved);
+  const Result<void> restored = bullet.system.restoreState(saved);
   ASSERT_TRUE(restored) << restored.error();
   EXPECT_EQ(spring->settings().stiffness, 70.0);
   EXPECT_EQ(*spring->settings().restLength, length);
@@ -317,9 +299,8 @@ TEST(SavedState, ofOneBodyLeavesTheOthersAlone) {
 }
 
 TEST(SavedState, changedSettingsAndMassesAreRestored) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork());
   body->point(3)->setMassProps(btScalar(2), btVector3(0, 0, 0));
   body->pin(1);
   SoftBodySettings s = body->settings();
@@ -329,7 +310,7 @@ TEST(SavedState, changedSettingsAndMassesAreRestored) {
   const double mass = body->totalMass();
   const Bytes state = body->saveState();
   ASSERT_TRUE(body->unpin(1));
-  ASSERT_TRUE(body->change(test::testedSettings()));
+  ASSERT_TRUE(body->change(testedSettings()));
   body->point(3)->setMassProps(btScalar(1), btVector3(0, 0, 0));
   ASSERT_TRUE(body->restoreState(state));
   EXPECT_DOUBLE_EQ(body->settings().extensionStiffness, 77.0);
@@ -388,9 +369,8 @@ TEST(SavedState, rigidBodiesMayBePutBackBeforeAndAfterIt) {
   BulletWorld old;
   old.addBoxFloor();
   SoftBodySystem system(*old.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.6, 0};
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBodySettings s = settingsAt({0, 0.6, 0});
+  SoftBody* cube = *system.createBody(closedCubeNetwork(), s);
   btRigidBody* ball = addBall(old, btVector3(btScalar(0.1), btScalar(1.6), 0));
   old.simulate(1.0);
   const Bytes state = system.saveState();
@@ -402,7 +382,7 @@ TEST(SavedState, rigidBodiesMayBePutBackBeforeAndAfterIt) {
     bullet.addBoxFloor();
     SoftBodySystem restored(*bullet.world);
     s.position = {0, 3, 4};
-    SoftBody* copy = *restored.createBody(test::closedCubeNetwork(), s);
+    SoftBody* copy = *restored.createBody(closedCubeNetwork(), s);
     btRigidBody* other = addBall(bullet, btVector3(5, 5, 5));
     const auto restore = [&] { EXPECT_TRUE(restored.restoreState(state)); };
     if (stateFirst) restore();
@@ -420,7 +400,7 @@ TEST(SavedState, rigidBodiesMayBePutBackBeforeAndAfterIt) {
 TEST(SavedState, isSavedOfDeadBodiesButNotRestored) {
   auto bullet = std::make_unique<BulletWorld>();
   SoftBodySystem system(*bullet->world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftBody* body = *system.createBody(cubeNetwork(), testedSettings());
   bullet->tick();
   btRigidBody* point = body->point(2);
   if (point->isInWorld()) bullet->world->removeRigidBody(point);
@@ -435,16 +415,15 @@ TEST(SavedState, isSavedOfDeadBodiesButNotRestored) {
 }
 
 TEST(SavedState, aCloneMovesLikeTheOriginal) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.yieldStrain = 0.05;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
   ASSERT_TRUE(body->setVelocity(vec(0, 0, 0), vec(3, 0, 0)));
   bullet.simulate(0.2);
   btTransform there = body->transform();
   there.setOrigin(there.getOrigin() + vec(8, 0, 0));
-  const auto copy = system.clone(body, there);
+  const auto copy = bullet.system.clone(body, there);
   ASSERT_TRUE(copy) << copy.error();
   bullet.simulate(0.5);
   for (std::uint32_t i = 0; i < body->pointCount(); ++i)
@@ -454,15 +433,12 @@ TEST(SavedState, aCloneMovesLikeTheOriginal) {
 }
 
 TEST(SavedState, aCloneHasNoContactsBeforeItsFirstTick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.53, 0};
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), settingsAt({0, 0.53, 0}));
   bullet.simulate(0.5);
   ASSERT_FALSE(body->contacts().empty());
-  const auto copy = system.clone(body, btTransform(btQuaternion::getIdentity(), vec(5, 4, 0)));
+  const auto copy = bullet.system.clone(body, btTransform(btQuaternion::getIdentity(), vec(5, 4, 0)));
   ASSERT_TRUE(copy) << copy.error();
   EXPECT_TRUE((*copy)->contacts().empty());
   EXPECT_FALSE(body->contacts().empty());
@@ -505,7 +481,7 @@ TEST(SavedBodies, cutOnesContinueToTheBit) {
   BulletWorld bullet, other;
   SoftBodySystem system(*bullet.world), loaded(*other.world);
   for (BulletWorld* world : {&bullet, &other}) world->addPlaneFloor();
-  SoftBody* cube = *system.createBody(test::tetrahedralCubeNetwork(), placed(0, 0.7, 0));
+  SoftBody* cube = *system.createBody(tetrahedralCubeNetwork(), settingsAt({0, 0.7, 0}));
   bullet.simulate(0.5);
   const Result<std::uint32_t> points = cube->cut(vec(0, 0, 0), vec(1, 0, 0));
   ASSERT_TRUE(points) << points.error();
@@ -573,9 +549,8 @@ std::size_t linesWith(const std::string& text, const std::string& start) {
 }
 
 TEST(Export, writesThePresentSurfaceAndSprings) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), placed(10, 0, 0));
+  SoftWorld bullet(0.0);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), settingsAt({10, 0, 0}));
   const TriangleMesh mesh = body->surfaceMesh();
   ASSERT_EQ(mesh.triangles.size(), 12u);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -585,7 +560,7 @@ TEST(Export, writesThePresentSurfaceAndSprings) {
     EXPECT_GT(mesh.normals[i].cast<double>().dot((mesh.positions[i] - body->centerOfMass()).normalized()),
               0.9);
   }
-  const std::string base = ::testing::TempDir() + "limber_export_" + (test::kSurface ? "s" : "p");
+  const std::string base = ::testing::TempDir() + "limber_export_" + (kSurface ? "s" : "p");
   for (const char* ending : {".obj", ".ply"}) {
     ASSERT_TRUE(body->exportMesh(base + ending));
     const std::string text = contentOf(base + ending);
@@ -596,10 +571,10 @@ TEST(Export, writesThePresentSurfaceAndSprings) {
   EXPECT_EQ(linesWith(contentOf(base + ".ply"), "element edge 24"), 1u);
   for (const char* ending : {".obj", ".ply"}) std::remove((base + ending).c_str());
   EXPECT_EQ(body->exportMesh("cube.stl").error(), "cube.stl: the name must end in .obj or .ply");
-  SoftBody* rope = *system.createBody(*buildRope(), test::testedSettings());
+  SoftBody* rope = bullet.addSoft(*buildRope());
   EXPECT_EQ(rope->exportMesh("rope.obj").error(),
             "rope.obj: the body has no surface; exportSprings() writes ropes");
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of ropes and cloths with themselves.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
+#include "support/soft_world.h"
 #include "support/tiled_floors.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::vec;
 
 /// Returns the smallest distance (m) between two segments of a rope whose indices differ by at least
 /// `minIndexGap`.
@@ -40,19 +29,17 @@ double nearestSegments(const SoftBody& rope, std::uint32_t minIndexGap) {
 
 TEST(SurfaceOnItself, aRopeCoilsUpWhenAsked) {
   for (const bool self : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     // hangs over one point of the floor, slightly tilted, and lands on its end
     s.position = {0, 2.1, 0};
     s.rotation = Eigen::AngleAxisd(0.05, Vector3d(1, 0, 0.3).normalized());
     s.pointRadius = 0.008;
     s.totalMass = 1.0;
-    s.extensionStiffness = s.compressionStiffness = 4e3;
-    s.damping = 2.0;
+    setSprings(s, 4e3, 2.0);
     s.selfCollision = self;
-    SoftBody* rope = *system.createBody(test::chainNetwork(40), s);
+    SoftBody* rope = bullet.addSoft(chainNetwork(40), s);
     for (std::uint32_t i = 0; i < rope->pointCount(); ++i) rope->point(i)->setDamping(btScalar(0.5), 0);
     bullet.simulate(6.0);
     EXPECT_FALSE(rope->surfaceObject()->isActive()) << "it has come to rest";
@@ -95,33 +82,24 @@ int piercings(const SoftBody& cloth) {
   return count;
 }
 
-SharedNetwork clothNetwork(std::uint32_t cells, double width) {
-  ClothSettings shape;
-  shape.width = shape.depth = width;
-  shape.columns = shape.rows = cells;
-  return *buildCloth(shape);
-}
-
 SoftBodySettings clothSettings(bool self) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.01;
   s.totalMass = 0.2;
-  s.extensionStiffness = s.compressionStiffness = 200.0;
-  s.damping = 0.2;
+  setSprings(s, 200.0, 0.2);
   s.selfCollision = self;
   return s;
 }
 
 TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
   for (const bool self : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor()->setFriction(1);
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = clothSettings(self);
     // stands on an edge, tilted, and crumples
     s.position = {0, 0.7, 0};
     s.rotation = Eigen::AngleAxisd(M_PI / 2 - 0.1, Vector3d(1, 0, 0.1).normalized());
-    SoftBody* cloth = *system.createBody(clothNetwork(10, 1.0), s);
+    SoftBody* cloth = bullet.addSoft(squareCloth(10, 1.0), s);
     int maxPiercings = 0;
     for (int i = 0; i < 180; ++i) {
       bullet.tick();
@@ -137,33 +115,29 @@ TEST(SurfaceOnItself, aClothFoldsWithoutPassingThrough) {
 /// With one substep per tick it is crushed by the falling part above. With compliant contacts it would sink
 /// by more than its radius.
 TEST(SurfaceOnItself, aChainThatFallsOnItsEndDoesNotSinkIntoTheFloor) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.9, 0};
+  SoftBodySettings s = settingsAt({0, 0.9, 0});
   s.scale = {1, 0.7, 1};
   s.extensionStiffness = s.compressionStiffness = 160.0;
   s.selfCollision = true;
   s.stepping.maxSubsteps = 1;
-  SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
-  double lowest = 1.0;
+  SoftBody* chain = bullet.addSoft(chainNetwork(12), s);
+  double least = 1.0;
   for (int tick = 0; tick < 20; ++tick) {
     bullet.tick();
-    for (std::uint32_t i = 0; i < chain->pointCount(); ++i) lowest = std::min(lowest, chain->position(i).y());
+    least = std::min(least, lowest(*chain));
   }
-  EXPECT_GT(lowest, 0.8 * double(chain->point(0)->getCollisionShape()->getMargin()));
+  EXPECT_GT(least, 0.8 * double(chain->point(0)->getCollisionShape()->getMargin()));
 }
 
 /// The chain falls on its end and crumples: its set of self-contacts changes many times per tick.
 TEST(SurfaceOnItself, aChainCrumplesAlikeInHalfTicks) {
   const double seconds = 31.0 / 60.0;
   const auto crumpled = [&](double tick) {
-    BulletWorld bullet(-10.0);
+    SoftWorld bullet(-10.0);
     bullet.addPlaneFloor()->setFriction(0.5);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 2, 0};
+    SoftBodySettings s = settingsAt({0, 2, 0});
     s.linearVelocity = {0, 0, 0.7};
     s.extensionStiffness = 1000.0;
     s.compressionStiffness = 9730.0;
@@ -171,9 +145,9 @@ TEST(SurfaceOnItself, aChainCrumplesAlikeInHalfTicks) {
     s.totalMass = 1.0;
     s.selfCollision = true;
     s.stepping.periodTolerance = 2e-3;
-    SoftBody* chain = *system.createBody(test::chainNetwork(12), s);
+    SoftBody* chain = bullet.addSoft(chainNetwork(12), s);
     bullet.simulate(seconds, tick);
-    return test::placesOf(*chain);
+    return placesOf(*chain);
   };
   EXPECT_LT((crumpled(1.0 / 60.0) - crumpled(1.0 / 120.0)).cwiseAbs().maxCoeff(), 1e-3);
 }
@@ -189,7 +163,7 @@ struct Drape {
   Drape(const SoftBodySettings& s, std::uint32_t cells, bool compound = false) : system(*bullet.world) {
     bullet.addBoxFloor()->setFriction(1);
     addBox(compound)->setFriction(2);
-    cloth = *system.createBody(clothNetwork(cells, 1.2), s);
+    cloth = *system.createBody(squareCloth(cells, 1.2), s);
     for (std::uint32_t i = 0; i < cloth->pointCount(); ++i) cloth->point(i)->setDamping(btScalar(0.3), 0);
   }
   btRigidBody* addBox(bool compound) {
@@ -285,15 +259,10 @@ TEST(SurfaceOnItself, aClothComesToRestOverABoxesEdgesAndCorners) {
 
 /// Returns the smallest height (m) of a point's centre during two seconds in which a cloth falls and crumples
 /// on a floor at z = 0.
-double lowestOfFallingCloth(test::FloorKind floor, double angle) {
-  BulletWorld bullet;
-  test::addTiledFloor(bullet, floor, 0.0);
-  SoftBodySystem system(*bullet.world);
-  ClothSettings cloth;
-  cloth.columns = 9;
-  cloth.rows = 7;
-  SoftBodySettings s = test::testedSettings();
-  s.position = {1, 2, 0};
+double lowestOfFallingCloth(FloorKind floor, double angle) {
+  SoftWorld bullet;
+  addTiledFloor(bullet, floor, 0.0);
+  SoftBodySettings s = settingsAt({1, 2, 0});
   s.rotation = Eigen::AngleAxisd(1.0, Vector3d(0.8, angle, 0.6).normalized());
   s.extensionStiffness = 86.3;
   s.compressionStiffness = 8.63;
@@ -302,17 +271,17 @@ double lowestOfFallingCloth(test::FloorKind floor, double angle) {
   s.friction = 1.0;
   s.pointRadius = 0.0022;
   s.selfCollision = true;
-  SoftBody* body = *system.createBody(*buildCloth(cloth), s);
-  double lowest = HUGE_VAL;
+  SoftBody* body = bullet.addSoft(clothNetwork(9, 7), s);
+  double least = HUGE_VAL;
   for (int i = 0; i < 30; ++i) {
     bullet.tick(1.0 / 15);
-    for (std::uint32_t p = 0; p < body->pointCount(); ++p) lowest = std::min(lowest, body->position(p).y());
+    least = std::min(least, lowest(*body));
   }
-  return lowest;
+  return least;
 }
 
 TEST(SurfaceOnItself, whatTouchesWithinATickDoesNotPushIntoTheFloor) {
-  for (const test::FloorKind floor : {test::FloorKind::Plane, test::FloorKind::CoarseMesh})
+  for (const FloorKind floor : {FloorKind::Plane, FloorKind::CoarseMesh})
     for (const double angle : {0.0, 0.1})
       // the solver's tolerance of velocities, 1e-4 m/s, over a tick
       EXPECT_GT(lowestOfFallingCloth(floor, angle), 0.0022 - 1e-5)
@@ -329,4 +298,4 @@ TEST(SurfaceOnItself, wantsASurface) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

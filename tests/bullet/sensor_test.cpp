@@ -2,15 +2,7 @@
 // Objects and soft bodies without contact response: they are reported and push nothing. Bullet's own soft
 // bodies in the same world.
 #include "support/allocation_counter.h"
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletSoftBody/btSoftBody.h>
@@ -18,27 +10,18 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <memory>
 #include <string>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kGravity;
-using test::kRadius;
-using test::vec;
-
 SoftBody* addSensedCube(SoftBodySystem& system, double y) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, y, 0};
-  s.extensionStiffness = s.compressionStiffness = 5000;
-  s.damping = 20;
+  SoftBodySettings s = settingsAt({0, y, 0});
+  setSprings(s, 5000, 20);
   s.pointRadius = kRadius;
-  return *system.createBody(test::closedCubeNetwork(), s);
+  return *system.createBody(closedCubeNetwork(), s);
 }
 
 struct SensorCalls : ContactListener {
@@ -88,11 +71,10 @@ TEST(SurfaceSensors, aGhostSmallerThanATriangleReportsACube) {
 }
 
 TEST(SurfaceSensors, aSoftBodyCanBeASensor) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addSensedCube(system, 0.7);
-  SoftBody* solid = addSensedCube(system, 2.0);
+  SoftBody* cube = addSensedCube(bullet.system, 0.7);
+  SoftBody* solid = addSensedCube(bullet.system, 2.0);
   cube->surfaceObject()->setCollisionFlags(cube->surfaceObject()->getCollisionFlags() |
                                            btCollisionObject::CF_NO_CONTACT_RESPONSE);
   bool touchesFloor = false, touchesSolid = false;
@@ -107,21 +89,18 @@ TEST(SurfaceSensors, aSoftBodyCanBeASensor) {
   }
   EXPECT_TRUE(touchesFloor);
   EXPECT_LT(cube->centerOfMass().y(), -0.5) << "it falls through the floor";
-  EXPECT_NEAR(test::lowest(*solid), kRadius, 0.05) << "which holds the other one";
+  EXPECT_NEAR(lowest(*solid), kRadius, 0.05) << "which holds the other one";
 }
 
 TEST(SurfaceSensors, aTickAllocatesNothing) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
   btRigidBody* zone = bullet.addBox(vec(0.4, 0.4, 0.4), 0, vec(0.5, 0.5, 0.3));
   zone->setCollisionFlags(zone->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addSensedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addSensedCube(bullet.system, 0.5 + kRadius);
   cube->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(1.0);
-  const test::AllocationCounter counter;
-  bullet.simulate(0.5);
-  EXPECT_EQ(counter.allocations(), 0u);
+  EXPECT_EQ(allocationsIn([&] { bullet.simulate(0.5); }), 0u);
   const auto isZone = [&](const SoftContact& c) { return c.other == zone; };
   EXPECT_TRUE(std::any_of(cube->contacts().begin(), cube->contacts().end(), isZone));
 }
@@ -145,7 +124,7 @@ TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
   SoftBodySystem system(world);
   SoftBody* ours = addSensedCube(system, 0.6);
   for (int i = 0; i < 120; ++i) world.stepSimulation(btScalar(1) / 60, 0);
-  EXPECT_NEAR(test::lowest(*ours), kRadius, 0.02);
+  EXPECT_NEAR(lowest(*ours), kRadius, 0.02);
   EXPECT_EQ(ours->restorations(), 0u);
   for (const SoftContact& c : ours->contacts()) EXPECT_EQ(c.other, &floor);
   btScalar top = -10;
@@ -157,14 +136,13 @@ TEST(Sensors, bulletsOwnSoftBodiesAreIgnored) {
 }
 
 TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.collision = Collision::Surface;
-  SoftBody* sensor = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* sensor = bullet.addSoft(closedCubeNetwork(), s);
   sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
   s.position = {0, 0.8, 0};
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
   bullet.tick();
   ASSERT_FALSE(cube->contacts().empty());
   for (const SoftContact& c : cube->contacts()) {
@@ -175,10 +153,9 @@ TEST(Sensors, aSoftBodyWithoutResponseIsReportedWithBothSides) {
 }
 
 TEST(SurfaceSensors, softBodiesReportEachOtherAlike) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* sensor = addSensedCube(system, 0.0);
-  SoftBody* cube = addSensedCube(system, 1.2);
+  SoftWorld bullet(0.0);
+  SoftBody* sensor = addSensedCube(bullet.system, 0.0);
+  SoftBody* cube = addSensedCube(bullet.system, 1.2);
   sensor->surfaceObject()->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
   ASSERT_TRUE(cube->setVelocity(vec(0, -1, 0), vec(0, 0, 0)));
   ASSERT_TRUE(sensor->setTransform(btTransform(btQuaternion(vec(0, 1, 0), btScalar(0.7)), vec(0, 0, 0))));
@@ -197,16 +174,15 @@ TEST(SurfaceSensors, softBodiesReportEachOtherAlike) {
 // --- the profile -------------------------------------------------------------------------------------------
 
 TEST(Profile, countsTheWorkOfTheTick) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
   bullet.addBox(vec(1, 0.2, 1), 2.0, vec(0, 1.3, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addSensedCube(system, 0.5 + kRadius);
+  SoftBody* cube = addSensedCube(bullet.system, 0.5 + kRadius);
   SoftBodySettings far = cube->settings();
   far.position = {30, 5, 0};
-  SoftBody* alone = *system.createBody(test::closedCubeNetwork(), far);
+  SoftBody* alone = bullet.addSoft(closedCubeNetwork(), far);
   bullet.simulate(0.3);
-  const TickProfile& p = system.profile();
+  const TickProfile& p = bullet.system.profile();
   EXPECT_EQ(p.awakeBodies, 2u);
   EXPECT_EQ(p.pointsStepped, 16u);
   EXPECT_EQ(p.substeps, static_cast<std::size_t>(cube->substeps() + alone->substeps()));
@@ -224,15 +200,14 @@ TEST(Profile, countsTheWorkOfTheTick) {
 }
 
 TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* apart = addSensedCube(system, 0.5 + kRadius);
+  SoftBody* apart = addSensedCube(bullet.system, 0.5 + kRadius);
   SoftBodySettings s = apart->settings();
   SoftBody* others[4];  // one on another, two under a box
   for (int i = 0; i < 4; ++i) {
     s.position = {i < 2 ? 3.0 : 4.5 + 1.5 * i, 0.5 + kRadius + (i == 1 ? 1 + 2 * kRadius : 0.0), 0};
-    others[i] = *system.createBody(test::closedCubeNetwork(), s);
+    others[i] = bullet.addSoft(closedCubeNetwork(), s);
   }
   bullet.addBox(vec(2, 0.1, 0.5), 1.0, vec(8.25, 1.1 + 2 * kRadius, 0));
   EXPECT_EQ(apart->island(), -1) << "before the first tick";
@@ -242,10 +217,10 @@ TEST(Profile, bodiesThatAreSteppedTogetherHaveOneIsland) {
   EXPECT_NE(others[0]->island(), others[2]->island());
   EXPECT_NE(apart->island(), others[0]->island());
   EXPECT_GE(apart->island(), 0);
-  ASSERT_TRUE(system.addSpring({apart->point(0)}, {others[0]->point(0)}));
+  ASSERT_TRUE(bullet.system.addSpring({apart->point(0)}, {others[0]->point(0)}));
   bullet.tick();
   EXPECT_EQ(apart->island(), others[1]->island()) << "a spring couples them";
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

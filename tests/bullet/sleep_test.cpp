@@ -1,33 +1,21 @@
 // SPDX-License-Identifier: Zlib
 // All points of a soft body fall asleep and wake together.
-#include "support/bullet_world.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <functional>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
 
 struct SleepTest : testing::Test {
   SleepTest() : system(*bullet.world) { bullet.addBoxFloor(); }
   ~SleepTest() override { gDeactivationTime = 2; }
 
   SoftBody* restingCube(double x = 0, double y = 0.52) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {x, y, 0};
-    return *system.createBody(test::cubeNetwork(), s);
+    return *system.createBody(cubeNetwork(), settingsAt({x, y, 0}));
   }
 
   BulletWorld bullet;
@@ -71,7 +59,7 @@ TEST_F(SleepTest, aFallingBoxWakesIt) {
   SoftBody* body = restingCube();
   bullet.simulate(6.0);
   ASSERT_TRUE(body->sleeping());
-  bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 2.0, 0));
+  bullet.addBox(vec(0.6, 0.1, 0.6), 0.2, vec(0, 2.0, 0));
   bool woken = false;
   for (int i = 0; i < 120; ++i) {
     bullet.tick();
@@ -82,8 +70,7 @@ TEST_F(SleepTest, aFallingBoxWakesIt) {
 
 TEST_F(SleepTest, neverWhileSomethingOnItIsAwake) {
   SoftBody* body = restingCube();
-  btRigidBody* plate = bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 1.12, 0));
-  plate->setActivationState(DISABLE_DEACTIVATION);
+  bullet.addAwakeBox(vec(0.6, 0.1, 0.6), 0.2, vec(0, 1.12, 0));
   bullet.simulate(10.0);
   EXPECT_FALSE(body->sleeping());
   EXPECT_EQ(activePoints(*body), 8);
@@ -91,7 +78,7 @@ TEST_F(SleepTest, neverWhileSomethingOnItIsAwake) {
 
 TEST_F(SleepTest, aRigidBodyOnItSleepsToo) {
   SoftBody* body = restingCube();
-  btRigidBody* plate = bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.2, test::vec(0, 1.12, 0));
+  btRigidBody* plate = bullet.addBox(vec(0.6, 0.1, 0.6), 0.2, vec(0, 1.12, 0));
   bullet.simulate(15.0);
   EXPECT_TRUE(body->sleeping());
   EXPECT_FALSE(plate->isActive());
@@ -125,9 +112,7 @@ TEST_F(SleepTest, bodiesThatComeAndGoDoNotWakeIt) {
 }
 
 TEST_F(SleepTest, aSlowSwingIsNotRest) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 4, 0};
-  SoftBody* rope = *system.createBody(test::pairNetwork(), s);
+  SoftBody* rope = *system.createBody(pairNetwork(), settingsAt({0, 4, 0}));
   rope->pin(0);
   for (int i = 0; i < 600; ++i) {
     bullet.tick();
@@ -148,10 +133,9 @@ TEST_F(SleepTest, gravityReachesAllPointsOfAWokenBody) {
 }
 
 TEST_F(SleepTest, aMovedPinWakesIt) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 4, 0};
+  SoftBodySettings s = settingsAt({0, 4, 0});
   s.damping = 50;
-  SoftBody* rope = *system.createBody(test::chainNetwork(2), s);
+  SoftBody* rope = *system.createBody(chainNetwork(2), s);
   rope->pin(0);
   bullet.simulate(15.0);
   ASSERT_TRUE(rope->sleeping());
@@ -163,13 +147,13 @@ TEST_F(SleepTest, aMovedPinWakesIt) {
 
 /// A force acts in the ticks of its own step only, also if the body falls asleep in that step.
 TEST_F(SleepTest, aForceOfTheStepInWhichItFallsAsleepDoesNotActLater) {
-  if (!test::kSurface) GTEST_SKIP() << "Bullet clears the forces of points of the world";
+  if (!kSurface) GTEST_SKIP() << "Bullet clears the forces of points of the world";
   SoftBody* body = restingCube();
   int ticks = 0;
   for (; ticks < 2000 && !body->sleeping(); ++ticks) bullet.tick();
   SoftBody* pushed = restingCube(5.0);
   for (int i = 0; i < 2000 && !pushed->sleeping(); ++i) {
-    if (i + 1 == ticks) pushed->surfaceObject()->applyCentralForce(test::vec(0, 100, 0));
+    if (i + 1 == ticks) pushed->surfaceObject()->applyCentralForce(vec(0, 100, 0));
     bullet.tick();
     if (i + 1 == ticks) {
       ASSERT_TRUE(pushed->sleeping());
@@ -182,14 +166,13 @@ TEST_F(SleepTest, aForceOfTheStepInWhichItFallsAsleepDoesNotActLater) {
 
 TEST(Sleep, aPointLetGoMovesHoweverLongTheBodyWasCalm) {
   for (const double calm : {1.0, 1.9, 1.99, 2.0, 2.02, 5.0}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftWorld bullet(0.0);
+    SoftBodySettings s = testedSettings();
     s.damping = 20.0;
-    SoftBody* body = *system.createBody(test::chainNetwork(2), s);
+    SoftBody* body = bullet.addSoft(chainNetwork(2), s);
     body->pin(0);
     body->pin(2);
-    body->movePin(2, test::vec(0, -1.2, 0));
+    body->movePin(2, vec(0, -1.2, 0));
     bullet.tick();
     bullet.simulate(calm);
     body->unpin(2);
@@ -225,10 +208,9 @@ struct SleeperAndNewcomer {
   }
 
   SoftBody* addCube(const Eigen::Vector3d& position, const Eigen::Vector3d& velocity = {0, 0, 0}) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = position;
+    SoftBodySettings s = settingsAt(position);
     s.linearVelocity = velocity;
-    return *system.createBody(test::closedCubeNetwork(), s);
+    return *system.createBody(closedCubeNetwork(), s);
   }
 
   btRigidBody* addBall(double mass, const btVector3& position, const btVector3& velocity) {
@@ -255,7 +237,7 @@ struct SleeperAndNewcomer {
 
 SleeperAndNewcomer::Newcomer kinematicBall(const btVector3& position, const btVector3& velocity) {
   return [=](SleeperAndNewcomer& scene) {
-    scene.mover = scene.addBall(0, position, test::vec(0, 0, 0));
+    scene.mover = scene.addBall(0, position, vec(0, 0, 0));
     scene.mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     scene.moverVelocity = velocity;
   };
@@ -266,12 +248,11 @@ SleeperAndNewcomer::Newcomer fallingBall(const btVector3& position, const btVect
 }
 
 TEST(Sleep, newcomersMeetASleeperAsTheyMeetABodyAwake) {
-  std::vector<SleeperAndNewcomer::Newcomer> newcomers = {
-      kinematicBall(test::vec(-0.8, 0.9, 0.45), test::vec(3, 0, 0)),
-      kinematicBall(test::vec(-0.8, 0.9, 0.45), test::vec(0.5, 0, 0))};
-  if (test::kSurface) {
-    newcomers.push_back(fallingBall(test::vec(0, 1.25, 0), test::vec(0, -9, 0)));
-    newcomers.push_back(fallingBall(test::vec(0, 1.25, 0), test::vec(0, -0.1, 0)));
+  std::vector<SleeperAndNewcomer::Newcomer> newcomers = {kinematicBall(vec(-0.8, 0.9, 0.45), vec(3, 0, 0)),
+                                                         kinematicBall(vec(-0.8, 0.9, 0.45), vec(0.5, 0, 0))};
+  if (kSurface) {
+    newcomers.push_back(fallingBall(vec(0, 1.25, 0), vec(0, -9, 0)));
+    newcomers.push_back(fallingBall(vec(0, 1.25, 0), vec(0, -0.1, 0)));
     newcomers.emplace_back([](SleeperAndNewcomer& scene) { scene.addCube({0.2, 1.56, 0.1}, {0, -6, 0}); });
   }
   for (std::size_t i = 0; i < newcomers.size(); ++i) {
@@ -292,18 +273,17 @@ TEST(Sleep, newcomersMeetASleeperAsTheyMeetABodyAwake) {
 struct SleepingStack {
   SleepingStack() : system(*bullet.world) {
     bullet.addBoxFloor();
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = settingsAt({0, 0.6, 0});
     s.damping = 5;
-    s.position = {0, 0.6, 0};
-    lower = *system.createBody(test::closedCubeNetwork(), s);
+    lower = *system.createBody(closedCubeNetwork(), s);
     s.position = {0, 1.7, 0};
-    upper = *system.createBody(test::closedCubeNetwork(), s);
-    box = bullet.addBox(test::vec(0.6, 0.2, 0.6), 0.2, test::vec(0, 2.6, 0));
+    upper = *system.createBody(closedCubeNetwork(), s);
+    box = bullet.addBox(vec(0.6, 0.2, 0.6), 0.2, vec(0, 2.6, 0));
     for (int i = 0; i < 1200 && !isAsleep(); ++i) bullet.tick();
     EXPECT_TRUE(isAsleep());
   }
   bool isAsleep() const { return lower->sleeping() && upper->sleeping() && !box->isActive(); }
-  double heightOfBox() const { return double(box->getWorldTransform().getOrigin().y()); }
+  double heightOfBox() const { return heightOf(*box); }
 
   BulletWorld bullet;
   SoftBodySystem system;
@@ -313,11 +293,10 @@ struct SleepingStack {
 
 /// In free fall without gravity nothing moves at all: 0 m/s is not below 0 m/s.
 TEST(Sleep, neverWithASleepingSpeedOfZero) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.sleepingSpeed = 0.0;
-  const SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  const SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   bullet.simulate(5.0);
   EXPECT_FALSE(body->sleeping());
 }
@@ -325,17 +304,15 @@ TEST(Sleep, neverWithASleepingSpeedOfZero) {
 /// Returns whether two points on a spring, which swing with a period of 4 s and pass each other at most at
 /// this speed (m/s), fall asleep.
 bool sleepsWhileItSwings(double speed) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.totalMass = 1.0;
-  s.extensionStiffness = s.compressionStiffness = 0.617;
-  s.damping = 0.0;
+  setSprings(s, 0.617, 0.0);
   s.flow.drag = s.flow.linearDrag = 0.0;
-  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  SoftBody* body = bullet.addSoft(pairNetwork(), s);
   const double impulse = 0.5 * speed;  // N s
-  body->point(0)->applyCentralImpulse(test::vec(impulse, 0, 0));
-  body->point(1)->applyCentralImpulse(test::vec(-impulse, 0, 0));
+  body->point(0)->applyCentralImpulse(vec(impulse, 0, 0));
+  body->point(1)->applyCentralImpulse(vec(-impulse, 0, 0));
   for (int i = 0; i < 1200 && !body->sleeping(); ++i) bullet.tick();
   return body->sleeping();
 }
@@ -351,11 +328,8 @@ TEST(Sleep, comesInSpiteOfFewFastTicks) {
 /// it.
 TEST(Sleep, onRequestUntilTouched) {
   for (const bool byBullet : {false, true}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 3, 0};
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    SoftWorld bullet;
+    SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({0, 3, 0}));
     if (byBullet && body->surfaceObject())
       body->surfaceObject()->setActivationState(ISLAND_SLEEPING);
     else
@@ -363,7 +337,7 @@ TEST(Sleep, onRequestUntilTouched) {
     bullet.simulate(1.0);
     EXPECT_TRUE(body->sleeping()) << byBullet;
     EXPECT_NEAR(body->centerOfMass().y(), 3.0, 1e-6) << byBullet;
-    bullet.addBox(test::vec(0.6, 0.1, 0.6), 0.5, test::vec(0, 4.5, 0));
+    bullet.addBox(vec(0.6, 0.1, 0.6), 0.5, vec(0, 4.5, 0));
     bullet.simulate(1.0);
     EXPECT_FALSE(body->sleeping()) << byBullet;
     EXPECT_LT(body->centerOfMass().y(), 2.9) << byBullet;
@@ -371,12 +345,12 @@ TEST(Sleep, onRequestUntilTouched) {
 }
 
 TEST_F(SleepTest, whatLiesOnABodyFallsWhenThatShrinksOrIsRestoredElsewhere) {
-  if (!test::kSurface) GTEST_SKIP() << "points of cubes of different sizes do not meet";
+  if (!kSurface) GTEST_SKIP() << "points of cubes of different sizes do not meet";
   SoftBody *lower = restingCube(), *upper = restingCube(0, 1.55);
   const std::vector<std::uint8_t> elsewhere = [&] {
-    EXPECT_TRUE(lower->setTransform(btTransform(btQuaternion::getIdentity(), test::vec(5, 0.52, 0))));
+    EXPECT_TRUE(lower->setTransform(btTransform(btQuaternion::getIdentity(), vec(5, 0.52, 0))));
     std::vector<std::uint8_t> state = lower->saveState();
-    EXPECT_TRUE(lower->setTransform(btTransform(btQuaternion::getIdentity(), test::vec(0, 0.52, 0))));
+    EXPECT_TRUE(lower->setTransform(btTransform(btQuaternion::getIdentity(), vec(0, 0.52, 0))));
     return state;
   }();
   bullet.simulate(8.0);
@@ -417,24 +391,24 @@ TEST_F(SleepTest, staysWhenAWorldIsRestoredOrLoaded) {
 /// A cube hangs from a kinematic body that it cannot touch. When that moves, the cube follows.
 TEST(Sleep, aMovedKinematicHolderWakesIt) {
   for (const bool bySpring : {false, true}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    btRigidBody* holder = bullet.addBox(test::vec(0.1, 0.1, 0.1), 0, test::vec(0.5, 2.0, 0.5));
+    SoftWorld bullet;
+    btRigidBody* holder = bullet.addBox(vec(0.1, 0.1, 0.1), 0, vec(0.5, 2.0, 0.5));
     holder->setCollisionFlags(holder->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT |
                               btCollisionObject::CF_NO_CONTACT_RESPONSE);
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.damping = 20.0;
     s.flow.drag = 1.0;
-    SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(cubeNetwork(), s);
     if (bySpring)
-      ASSERT_TRUE(system.addSpring({holder, btVector3(0, 0, 0)}, {body->point(0), btVector3(0, 0, 0)}));
+      ASSERT_TRUE(
+          bullet.system.addSpring({holder, btVector3(0, 0, 0)}, {body->point(0), btVector3(0, 0, 0)}));
     else
-      ASSERT_TRUE(system.attach(body, 0, *holder));
+      ASSERT_TRUE(bullet.system.attach(body, 0, *holder));
     body->sleep();
     bullet.simulate(0.5);
     ASSERT_TRUE(body->sleeping()) << bySpring;
     btTransform there = holder->getWorldTransform();
-    there.setOrigin(there.getOrigin() + test::vec(0.2, 0, 0));
+    there.setOrigin(there.getOrigin() + vec(0.2, 0, 0));
     holder->setWorldTransform(there);
     bullet.simulate(0.2);
     EXPECT_FALSE(body->sleeping()) << bySpring;
@@ -455,24 +429,22 @@ TEST_F(SleepTest, soonWithVaryingTicks) {
 
 /// A soft ball in the groove of two rigid balls that stand between walls. Its faces roll on them.
 TEST(Sleep, ofASoftBallOnRigidBalls) {
-  if (!test::kSurface) GTEST_SKIP() << "only surfaces have faces";
+  if (!kSurface) GTEST_SKIP() << "only surfaces have faces";
   for (const double gap : {0.27, 0.29, 0.33}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
     const double radius = 0.235;
     const double x = radius + 0.5 * gap;
     for (const int side : {-1, 1}) {
-      bullet.addBox(test::vec(0.5, 1, 2), 0, test::vec(side * (x + radius + 0.5), 1, 0));
-      bullet.addBox(test::vec(2, 1, 0.5), 0, test::vec(0, 1, side * (radius + 0.5)));
-      bullet.add(std::make_unique<btSphereShape>(btScalar(radius)), 0.6, test::vec(side * x, radius, 0));
+      bullet.addBox(vec(0.5, 1, 2), 0, vec(side * (x + radius + 0.5), 1, 0));
+      bullet.addBox(vec(2, 1, 0.5), 0, vec(0, 1, side * (radius + 0.5)));
+      bullet.add(std::make_unique<btSphereShape>(btScalar(radius)), 0.6, vec(side * x, radius, 0));
     }
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0.01, 0.75, 0.02};
+    SoftBodySettings s = settingsAt({0.01, 0.75, 0.02});
     s.scale.setConstant(0.461 / 2);
     s.totalMass = s.damping = 0.2;
     s.extensionStiffness = s.compressionStiffness = 200.0;
-    const SoftBody* body = *system.createBody(*buildNetwork(small_meshes::icosphere(1)), s);
+    const SoftBody* body = bullet.addSoft(bracedNetwork(small_meshes::icosphere(1)), s);
     bullet.simulate(10.0);
     EXPECT_TRUE(body->sleeping()) << gap;
     for (const SoftContact& c : body->contacts()) EXPECT_GT(c.distance, -1e-3) << gap;
@@ -492,12 +464,11 @@ TEST(Sleep, whatRestedOnADestroyedBodyFalls) {
 }
 
 TEST(Sleep, whatRestedOnABodyFallsWhenItIsTakenAway) {
-  const btTransform away(btQuaternion::getIdentity(), test::vec(5, 0.52, 0));
+  const btTransform away(btQuaternion::getIdentity(), vec(5, 0.52, 0));
   std::vector<std::function<void(SoftBody&)>> ways = {
       [&](SoftBody& body) { EXPECT_TRUE(body.setTransform(away)); },
       [&](SoftBody& body) { EXPECT_TRUE(body.reset(away)); }};
-  if (test::kSurface)
-    ways.emplace_back([&](SoftBody& body) { body.surfaceObject()->setWorldTransform(away); });
+  if (kSurface) ways.emplace_back([&](SoftBody& body) { body.surfaceObject()->setWorldTransform(away); });
   for (const auto& takeAway : ways) {
     SleepingStack stack;
     takeAway(*stack.upper);
@@ -511,16 +482,13 @@ TEST(Sleep, whatRestedOnABodyFallsWhenItIsTakenAway) {
 TEST(Sleep, whatAnAwakeHandHoldsFallsWhenTheHandGoes) {
   for (const bool attached : {false, true})
     for (const double tick : {1.0 / 60, 1.0 / 240}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
-      btRigidBody* palm = bullet.addBox(test::vec(1, 0.1, 1), 0, test::vec(0, 0.9, 0));
+      SoftWorld bullet;
+      btRigidBody* palm = bullet.addBox(vec(1, 0.1, 1), 0, vec(0, 0.9, 0));
       palm->setCollisionFlags(palm->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
       palm->setActivationState(DISABLE_DEACTIVATION);
-      SoftBodySettings s = test::testedSettings();
-      s.position = {0, 1.52, 0};
-      SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+      SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({0, 1.52, 0}));
       if (attached) {
-        ASSERT_TRUE(system.attach(body, 0, *palm));
+        ASSERT_TRUE(bullet.system.attach(body, 0, *palm));
       }
       bullet.simulate(5.0, tick);
       ASSERT_FALSE(body->sleeping());
@@ -534,33 +502,27 @@ TEST(Sleep, whatAnAwakeHandHoldsFallsWhenTheHandGoes) {
 /// A corner of one cloth that lies on the edge of the other swung for ever: contacts had the lever arms and
 /// the normals of the start of each tick.
 TEST(Sleep, ofTwoClothsThatLieOnEachOther) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
-  btStaticPlaneShape plane(test::vec(0, 1, 0), 0);
+  SoftWorld bullet(-10.0);
+  btStaticPlaneShape plane(vec(0, 1, 0), 0);
   btRigidBody floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane));
   bullet.world->addRigidBody(&floor);
-  ClothSettings grid;
-  grid.width = grid.depth = 0.3;
-  grid.columns = grid.rows = 5;
-  const SharedNetwork network = *buildCloth(grid);
-  SoftBodySettings s = test::testedSettings();
+  const SharedNetwork network = squareCloth(5, 0.3);
+  SoftBodySettings s = settingsAt({-0.091140307819536109, 0.1, 0.11562918801355604});
   s.flow = SoftBodySettings().flow;
   s.totalMass = 0.1;
-  s.extensionStiffness = s.compressionStiffness = 200.0;
-  s.damping = 0.2;
+  setSprings(s, 200.0, 0.2);
   s.pointRadius = 0.008;
-  s.position = {-0.091140307819536109, 0.1, 0.11562918801355604};
   s.rotation = Eigen::Quaterniond(-0.74870586244885362, -0.5279451425161007, -0.12342563614144571,
                                   0.38141784223008185);
-  const SoftBody* lower = *system.createBody(network, s);
+  const SoftBody* lower = bullet.addSoft(network, s);
   s.position = {0.036289154394198747, 0.3, -0.063150047877873317};
   s.rotation = Eigen::Quaterniond(-0.95230473583818198, 0.017405946971924213, 0.28349181649449923,
                                   -0.11155766710912444);
-  const SoftBody* upper = *system.createBody(network, s);
+  const SoftBody* upper = bullet.addSoft(network, s);
   bullet.simulate(12.0);
   EXPECT_TRUE(lower->sleeping() && upper->sleeping());
   bullet.world->removeRigidBody(&floor);
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

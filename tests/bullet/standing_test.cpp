@@ -1,23 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // Bodies on a floor stand at 90 % of their height with the stiffness that analyse() names.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/test_shapes.h"
-#include "support/tested_way.h"
-
-#include <limber/network_analysis.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
 #include <string>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Points = Eigen::Matrix3Xd;
@@ -29,45 +20,37 @@ struct StandingCase {
   double below = 0.5;  // of the stiffness, at which it is clearly lower
 };
 
-SharedNetwork braced(const TriangleMesh& mesh) { return *buildNetwork(mesh); }
-
 TriangleMesh scaled(TriangleMesh mesh, const Eigen::Vector3d& scale) {
   for (Eigen::Vector3d& p : mesh.positions) p = p.cwiseProduct(scale);
   return mesh;
 }
 
-SharedNetwork ofMaterial(const TriangleMesh& shape) {
-  MaterialMesh mesh;
-  mesh.points = 100;
-  return *buildMaterialNetwork(shape, mesh);
-}
-
 // The cylinder stands again at half the stiffness: there it bulges without leaning.
 const StandingCase kCases[] = {
-    {"cube", [] { return test::closedCubeNetwork(); }, true},
-    {"ball", [] { return braced(small_meshes::icosphere(2)); }, true},
-    {"torus", [] { return braced(test_shapes::torus()); }, true},
-    {"materialCube", [] { return ofMaterial(small_meshes::cube()); }, true},
-    {"materialCylinder", [] { return ofMaterial(test_shapes::cylinder()); }, true},
-    {"fineCube", [] { return braced(small_meshes::cube(3)); }, false},
-    {"lShape", [] { return braced(test_shapes::lShape()); }, false},
-    {"cylinder", [] { return braced(test_shapes::cylinder()); }, false, 0.8},
+    {"cube", [] { return closedCubeNetwork(); }, true},
+    {"ball", [] { return bracedNetwork(small_meshes::icosphere(2)); }, true},
+    {"torus", [] { return bracedNetwork(test_shapes::torus()); }, true},
+    {"materialCube", [] { return solidNetwork(small_meshes::cube(), 100); }, true},
+    {"materialCylinder", [] { return solidNetwork(test_shapes::cylinder(), 100); }, true},
+    {"fineCube", [] { return bracedNetwork(small_meshes::cube(3)); }, false},
+    {"lShape", [] { return bracedNetwork(test_shapes::lShape()); }, false},
+    {"cylinder", [] { return bracedNetwork(test_shapes::cylinder()); }, false, 0.8},
     {"tallBox",
      [] {
-       return braced(scaled(small_meshes::cube(3), {0.3, 1.0, 0.3}));
+       return bracedNetwork(scaled(small_meshes::cube(3), {0.3, 1.0, 0.3}));
      },
      false},
 };
 
-double heightOf(const Points& x) { return x.row(1).maxCoeff() - x.row(1).minCoeff(); }
+double extentOf(const Points& x) { return x.row(1).maxCoeff() - x.row(1).minCoeff(); }
 
 /// Lets a body of 1 kg, tilted by half a degree, rest on a floor. Returns its height divided by that at rest,
 /// or by that of its rest shape in its present orientation if that is larger.
 double heightAt(const SharedNetwork& network, double stiffness) {
-  test::BulletWorld bullet;
+  BulletWorld bullet;
   bullet.addBoxFloor();
   SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.extensionStiffness = s.compressionStiffness = stiffness;
   const auto count = static_cast<Eigen::Index>(network->restPoints.size());
   Points rest(3, count), now(3, count);
@@ -79,8 +62,8 @@ double heightAt(const SharedNetwork& network, double stiffness) {
   for (Eigen::Index i = 0; i < count; ++i) now.col(i) = body->position(static_cast<std::uint32_t>(i));
   const btMatrix3x3 basis = body->transform().getBasis();
   Eigen::Matrix3d rotation;
-  for (int row = 0; row < 3; ++row) rotation.row(row) = test::eigen(basis[row]).transpose();
-  return heightOf(now) / std::max(heightOf(rest), heightOf(rotation * rest));
+  for (int row = 0; row < 3; ++row) rotation.row(row) = eigen(basis[row]).transpose();
+  return extentOf(now) / std::max(extentOf(rest), extentOf(rotation * rest));
 }
 
 class Standing : public testing::TestWithParam<StandingCase> {};
@@ -105,4 +88,4 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Standing, testing::ValuesIn(kCases),
                          [](const testing::TestParamInfo<StandingCase>& c) { return c.param.name; });
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // Stepper, tolerance, maxSubsteps and elastic limit in a Bullet world.
 #include "support/allocation_counter.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kGravity;
-
 SoftBodySettings stiffCube(double stiffness, Stepper stepper) {
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.05 * 2.0 * std::sqrt(stiffness * 0.125);
+  SoftBodySettings s = testedSettings();
+  setSprings(s, stiffness, 0.05 * 2.0 * std::sqrt(stiffness * 0.125));
   s.stepping.stepper = stepper;
   s.friction = 0.0;
   return s;
@@ -31,18 +20,17 @@ class SteppedBy : public testing::TestWithParam<Stepper> {};
 
 TEST_P(SteppedBy, aCubeRestsRightOnAPlane) {
   for (const double stiffness : {1e3, 1e5}) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = stiffCube(stiffness, Stepper::Verlet);
     s.position.y() = 0.53;
     const auto restHeight = [&](Stepper stepper) {
       s.stepping.stepper = stepper;
-      SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+      SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
       bullet.simulate(10.0);
       EXPECT_EQ(body->stepper(), stepper);
       const double height = body->centerOfMass().y();
-      system.destroyBody(body);
+      bullet.system.destroyBody(body);
       return height;
     };
     EXPECT_NEAR(restHeight(GetParam()), restHeight(Stepper::Verlet), 1e-6) << stiffness;
@@ -50,12 +38,11 @@ TEST_P(SteppedBy, aCubeRestsRightOnAPlane) {
 }
 
 TEST_P(SteppedBy, aFreeBodyFallsExactlyAndKeepsItsMomentum) {
-  BulletWorld bullet(-kGravity);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-kGravity);
   SoftBodySettings s = stiffCube(1e4, GetParam());
   s.linearVelocity = {1.0, 2.0, 3.0};
   s.angularVelocity = {0.0, 3.0, 0.0};
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
   bullet.simulate(1.0);
   EXPECT_EQ(body->stepper(), GetParam());
   const Eigen::Vector3d exact = Eigen::Vector3d(1.0, 2.0, 3.0) - 0.5 * kGravity * Eigen::Vector3d::UnitY();
@@ -69,12 +56,11 @@ TEST_P(SteppedBy, aFreeBodyFallsExactlyAndKeepsItsMomentum) {
 TEST_P(SteppedBy, howeverStiffAFreeBodyTurnsAsFastAsItSpins) {
   for (const double stiffness : {1e4, 1e6, 1e7, 1e8}) {
     SCOPED_TRACE(stiffness);
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0);
     SoftBodySettings s = stiffCube(stiffness, GetParam());
     s.damping = 0.0;
     s.angularVelocity = {0.0, 0.0, 1.0};
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     const Eigen::Vector3d before = body->position(7) - body->position(0);
     bullet.simulate(1.0);
     const Eigen::Vector3d after = body->position(7) - body->position(0);
@@ -89,11 +75,10 @@ TEST(Stepping, howeverStiffAPinnedBodySwingsAsItFalls) {
   for (const double rate : {15.0, 60.0})
     for (const double stiffness : {1e6, 1e7}) {
       SCOPED_TRACE(stiffness);
-      BulletWorld bullet(-kGravity);
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet(-kGravity);
       SoftBodySettings s = stiffCube(stiffness, Stepper::Auto);
       s.damping = 0.0;
-      SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+      SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
       body->pin(0);
       const double height = body->centerOfMass().y();
       double highest = height - 10.0;
@@ -108,13 +93,12 @@ TEST(Stepping, howeverStiffAPinnedBodySwingsAsItFalls) {
 
 TEST_P(SteppedBy, twoRunsAgreeBitForBit) {
   const auto hash = [](Stepper stepper) {
-    BulletWorld bullet(-kGravity);
+    SoftWorld bullet(-kGravity);
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     SoftBodySettings s = stiffCube(1e5, stepper);
     s.position.y() = 1.0;
     s.angularVelocity = {1.0, 0.5, 0.2};
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     bullet.simulate(2.0);
     return body->stateHash();
   };
@@ -122,17 +106,14 @@ TEST_P(SteppedBy, twoRunsAgreeBitForBit) {
 }
 
 TEST_P(SteppedBy, aTickAllocatesNothingAfterWarmUp) {
-  BulletWorld bullet(-kGravity);
+  SoftWorld bullet(-kGravity);
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s = stiffCube(1e5, GetParam());
   s.position.y() = 1.0;
-  SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
   body->point(0)->setActivationState(DISABLE_DEACTIVATION);
   bullet.simulate(3.0);
-  const test::AllocationCounter counter;
-  bullet.simulate(1.0);
-  EXPECT_EQ(counter.allocations(), 0u);
+  EXPECT_EQ(allocationsIn([&] { bullet.simulate(1.0); }), 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Steppers, SteppedBy,
@@ -146,24 +127,20 @@ INSTANTIATE_TEST_SUITE_P(Steppers, SteppedBy,
 /// Returns the points of a body after a second without gravity: a rotating, vibrating cube, or a chain that
 /// is pinned at its top and was pushed sideways.
 Eigen::Matrix3Xd pointsAfterASecond(bool chain, const Stepping& stepping) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = 1e5;
-  s.damping = 0.0;
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
+  setSprings(s, 1e5, 0.0);
   s.stepping = stepping;
   if (!chain) s.angularVelocity = {6.0, 7.5, 3.0};
-  SoftBody* body = *system.createBody(chain ? test::chainNetwork(8) : test::fullCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(chain ? chainNetwork(8) : fullCubeNetwork(), s);
   if (chain) body->pin(0);
   for (std::uint32_t i = 0; i < body->pointCount(); ++i) {
     const Eigen::Vector3d x = body->position(i);
-    if (chain) body->point(i)->setLinearVelocity(test::vec(-x.y(), 0, 0.5 * x.y() * x.y()));
-    if (!chain) body->point(i)->getWorldTransform().setOrigin(test::vec(1.02 * x.x(), x.y(), x.z()));
+    if (chain) body->point(i)->setLinearVelocity(vec(-x.y(), 0, 0.5 * x.y() * x.y()));
+    if (!chain) body->point(i)->getWorldTransform().setOrigin(vec(1.02 * x.x(), x.y(), x.z()));
   }
   bullet.simulate(1.0);
-  Eigen::Matrix3Xd points(3, body->pointCount());
-  for (std::uint32_t i = 0; i < body->pointCount(); ++i) points.col(i) = body->position(i);
-  return points;
+  return placesOf(*body);
 }
 
 TEST(PeriodTolerance, askedToBeFinerAutoIsNeverFartherOff) {
@@ -196,13 +173,12 @@ struct FlightEnd {
 
 FlightEnd fly(const Stepping& stepping) {
   const auto positionsAfter = [](const Stepping& choice, FlightEnd& flight) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
+    SoftWorld bullet(0.0);
+    SoftBodySettings s = testedSettings();
     s.damping = 0.0;
     s.angularVelocity = {2.0, 2.5, 1.0};
     s.stepping = choice;
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     for (std::uint32_t i = 0; i < 8; ++i) {
       btTransform pose = body->point(i)->getWorldTransform();
       pose.getOrigin() *= btScalar(1.02);
@@ -213,9 +189,7 @@ FlightEnd fly(const Stepping& stepping) {
       flight.estimate = std::max(flight.estimate, body->errorPerSecond());
     }
     flight.substeps = body->substeps();
-    Eigen::Matrix3Xd x(3, 8);
-    for (std::uint32_t i = 0; i < 8; ++i) x.col(i) = body->position(i);
-    return x;
+    return placesOf(*body);
   };
   FlightEnd flight, unused;
   Stepping fine;
@@ -262,17 +236,15 @@ TEST(ErrorEstimate, fallsWithTheSquareOfTheSubstep) {
 
 TEST(ElasticLimit, aRopeBreaksWhereTheLoadIsTooMuch) {
   const auto brokenUnder = [](double loadMass) {
-    BulletWorld bullet(-kGravity);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.extensionStiffness = s.compressionStiffness = 1000.0;
-    s.damping = 20.0;
+    SoftWorld bullet(-kGravity);
+    SoftBodySettings s = testedSettings();
+    setSprings(s, 1000.0, 20.0);
     s.totalMass = 0.1;
     s.elasticLimit.breakStrain = 0.2;
-    SoftBody* rope = *system.createBody(test::chainNetwork(4), s);
+    SoftBody* rope = bullet.addSoft(chainNetwork(4), s);
     rope->pin(0);
-    btRigidBody* load = bullet.addBox(test::vec(0.05, 0.05, 0.05), loadMass, test::vec(0, -1, 0));
-    EXPECT_TRUE(system.attach(rope, 4, *load));
+    btRigidBody* load = bullet.addBox(vec(0.05, 0.05, 0.05), loadMass, vec(0, -1, 0));
+    EXPECT_TRUE(bullet.system.attach(rope, 4, *load));
     bullet.simulate(2.0);
     return load->getCenterOfMassPosition().y() < -3.0;
   };
@@ -282,16 +254,15 @@ TEST(ElasticLimit, aRopeBreaksWhereTheLoadIsTooMuch) {
 }
 
 TEST(ElasticLimit, aRopeThatYieldedStaysLonger) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.damping = 5.0;
   s.elasticLimit.yieldStrain = 0.05;
-  SoftBody* rope = *system.createBody(test::chainNetwork(4), s);
+  SoftBody* rope = bullet.addSoft(chainNetwork(4), s);
   rope->pin(0);
   rope->pin(4);
   for (int i = 1; i <= 120; ++i) {
-    rope->movePin(4, test::vec(0, -1.0 - 0.3 * i / 120.0, 0));
+    rope->movePin(4, vec(0, -1.0 - 0.3 * i / 120.0, 0));
     bullet.tick();
   }
   bullet.simulate(2.0);
@@ -302,4 +273,4 @@ TEST(ElasticLimit, aRopeThatYieldedStaysLonger) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

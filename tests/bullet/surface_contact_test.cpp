@@ -1,44 +1,27 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of faces and edges with small objects, with objects between their points, and with fast objects.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <random>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::angularMomentumOf;
-using test::BulletWorld;
-using test::eigen;
-using test::kGravity;
-using test::kRadius;
-using test::lowest;
-using test::vec;
 
 SoftBodySettings cubeAt(const Vector3d& position, double stiffness = 1e3) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.1 * std::sqrt(stiffness);
+  SoftBodySettings s = settingsAt(position);
+  setSprings(s, stiffness, 0.1 * std::sqrt(stiffness));
   s.pointRadius = kRadius;
   return s;
 }
 
 SoftBody* addAwakeCube(SoftBodySystem& system, const SoftBodySettings& settings) {
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), settings);
+  SoftBody* body = *system.createBody(closedCubeNetwork(), settings);
   body->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
   return body;
 }
@@ -74,10 +57,9 @@ TEST(SurfaceContact, aMarbleRestsOnAFaceWithoutJitter) {
   for (const auto& [point, mass] :
        {std::pair(Vector3d(0.2, 0, 0.1), 0.05), {Vector3d(0, 0, 0), 0.05}, {Vector3d(0.02, 0, 0.01), 0.5}}) {
     SCOPED_TRACE(mass);
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.5 + kRadius, 0}));
+    SoftBody* cube = addAwakeCube(bullet.system, cubeAt({0, 0.5 + kRadius, 0}));
     btRigidBody* marble = addMarble(bullet, 0.05, mass, point + Vector3d(0, 1.2, 0));
     marble->setFriction(1);
     marble->setRollingFriction(0);
@@ -86,7 +68,7 @@ TEST(SurfaceContact, aMarbleRestsOnAFaceWithoutJitter) {
     double low = 1e9, high = -1e9;
     for (int i = 0; i < 60; ++i) {
       bullet.tick();
-      const double y = double(marble->getWorldTransform().getOrigin().y());
+      const double y = heightOf(*marble);
       low = std::min(low, y), high = std::max(high, y);
     }
     EXPECT_GT(low, 0.9) << "it lies on the cube";
@@ -97,10 +79,9 @@ TEST(SurfaceContact, aMarbleRestsOnAFaceWithoutJitter) {
 }
 
 TEST(SurfaceContact, aSpikeDoesNotPassBetweenThePoints) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.5 + kRadius, 0}));
+  SoftBody* cube = addAwakeCube(bullet.system, cubeAt({0, 0.5 + kRadius, 0}));
   btRigidBody* cone = awake(
       bullet.add(std::make_unique<btConeShape>(btScalar(0.05), btScalar(0.5)), 0.2, vec(0.15, 1.4, 0.05)));
   btTransform down(btQuaternion(btVector3(1, 0, 0), SIMD_PI), vec(0.15, 1.4, 0.05));
@@ -136,11 +117,10 @@ TEST(SurfaceContact, aCubeLiesOnRailsThatNoPointTouches) {
   for (const auto add : {addRails, addRailTrack})
     for (const double mass : {0.0, 2.0}) {
       SCOPED_TRACE(mass);
-      BulletWorld bullet;
+      SoftWorld bullet;
       bullet.addBoxFloor();
-      SoftBodySystem system(*bullet.world);
       add(bullet, mass);
-      SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.1 + 0.5 + 2 * kRadius, 0}));
+      SoftBody* cube = addAwakeCube(bullet.system, cubeAt({0, 0.1 + 0.5 + 2 * kRadius, 0}));
       bullet.simulate(8.0);
       EXPECT_GT(lowest(*cube), 0.08) << "the lower face sags between and beside the rails by a little only";
       EXPECT_NEAR(cube->centerOfMass().x(), 0.0, 0.02);
@@ -149,15 +129,14 @@ TEST(SurfaceContact, aCubeLiesOnRailsThatNoPointTouches) {
 }
 
 TEST(SurfaceContact, aCubeStaysOnALedgeAsLongAsItsCentreIsAboveIt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   bullet.addBox(vec(0.5, 0.5, 0.8), 0, vec(0, 0.5, 0))->setFriction(1);
-  SoftBody* stays = addAwakeCube(system, cubeAt({0.3, 1.5 + kRadius, 0}, 1e4));
+  SoftBody* stays = addAwakeCube(bullet.system, cubeAt({0.3, 1.5 + kRadius, 0}, 1e4));
   bullet.simulate(4.0);
   EXPECT_GT(stays->centerOfMass().y(), 1.4);
-  system.destroyBody(stays);
-  SoftBody* falls = addAwakeCube(system, cubeAt({0.6, 1.5 + kRadius, 0}, 1e4));
+  bullet.system.destroyBody(stays);
+  SoftBody* falls = addAwakeCube(bullet.system, cubeAt({0.6, 1.5 + kRadius, 0}, 1e4));
   bullet.simulate(4.0);
   EXPECT_LT(falls->centerOfMass().y(), 1.0);
 }
@@ -199,11 +178,10 @@ TEST(SurfaceContact, bumpsOfAFineGroundDoNotPokeThroughAFace) {
   for (const bool field : {false, true}) {
     SCOPED_TRACE(field);
     std::vector<btScalar> heights;
-    BulletWorld bullet;
+    SoftWorld bullet;
     auto ridge = field ? ridgeOfHeights(heights) : ridgeOfTriangles(bullet);
     bullet.add(std::move(ridge), 0, vec(0, field ? 0.5 * kRidge : 0.0, 0))->setFriction(1);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cube = addAwakeCube(system, cubeAt({0.0, 0.5 + kRidge + 2 * kRadius, 0.013}, 3e3));
+    SoftBody* cube = addAwakeCube(bullet.system, cubeAt({0.0, 0.5 + kRidge + 2 * kRadius, 0.013}, 3e3));
     double deepest = 0.0;
     for (int i = 0; i < 240; ++i) {
       bullet.tick();
@@ -217,10 +195,9 @@ TEST(SurfaceContact, bumpsOfAFineGroundDoNotPokeThroughAFace) {
 
 TEST(SurfaceContact, aGroundWhoseHeightsChangeIsSeen) {
   std::vector<btScalar> heights;
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.add(ridgeOfHeights(heights), 0, vec(0, 0.5 * kRidge, 0))->setFriction(1);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = addAwakeCube(system, cubeAt({0.0, 0.5 + kRidge + 2 * kRadius, 0.013}, 3e4));
+  SoftBody* cube = addAwakeCube(bullet.system, cubeAt({0.0, 0.5 + kRidge + 2 * kRadius, 0.013}, 3e4));
   bullet.simulate(0.3);
   EXPECT_GT(cube->centerOfMass().y(), 0.5 + 0.8 * kRidge);
   std::fill(heights.begin(), heights.end(), btScalar(-0.5 * kRidge));
@@ -233,15 +210,14 @@ TEST(SurfaceContact, aGroundWhoseHeightsChangeIsSeen) {
 TEST(SurfaceContact, softCubesStack) {
   for (const auto& [shift, angle] : {std::pair(0.0, 0.0), {0.0, 0.4}, {0.2, 0.4}}) {
     SCOPED_TRACE(angle);
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     std::vector<SoftBody*> cubes;
     for (int i = 0; i < 3; ++i) {
       SoftBodySettings s = cubeAt({i % 2 * shift, 0.52 + 1.05 * i, 0}, 5e3);
       s.rotation = Eigen::AngleAxisd(i % 2 * angle, Vector3d::UnitY());
       s.damping *= 2;
-      cubes.push_back(addAwakeCube(system, s));
+      cubes.push_back(addAwakeCube(bullet.system, s));
     }
     bullet.simulate(8.0);
     for (int i = 0; i < 3; ++i) {
@@ -263,16 +239,15 @@ TEST(SurfaceContact, aFallingStackIsStoppedCubeByCube) {
       SCOPED_TRACE(testing::Message() << (mixed ? "every second cube is rigid" : "soft") << ", " << seed);
       std::mt19937 random(seed);
       std::uniform_real_distribution<double> any(-1, 1);
-      BulletWorld bullet;
+      SoftWorld bullet;
       bullet.addBoxFloor();
-      SoftBodySystem system(*bullet.world);
       std::vector<std::function<double()>> heights;
       for (int i = 0; i < 10; ++i) {
         const Vector3d at(0.02 * any(random), kSmall + 0.5 + (1.0 + 2.0 * kSmall + kGap) * i,
                           0.02 * any(random));
         if (mixed && i % 2 == 1) {
           btRigidBody* box = bullet.addBox(vec(0.5, 0.5, 0.5), 1.0, vec(at.x(), at.y(), at.z()));
-          heights.emplace_back([box] { return double(box->getWorldTransform().getOrigin().y()); });
+          heights.emplace_back([box] { return heightOf(*box); });
           continue;
         }
         SoftBodySettings s = cubeAt(at, 5e3);
@@ -280,7 +255,7 @@ TEST(SurfaceContact, aFallingStackIsStoppedCubeByCube) {
         s.damping = 20.0;
         s.pointRadius = kSmall;
         s.friction = 0.7;
-        SoftBody* cube = addAwakeCube(system, s);
+        SoftBody* cube = addAwakeCube(bullet.system, s);
         heights.emplace_back([cube] { return cube->centerOfMass().y(); });
       }
       for (int tick = 0; tick < 60; ++tick) {
@@ -308,23 +283,22 @@ TEST(SurfaceContact, twoSoftBodiesKeepTheirMomentaInAHit) {
   constexpr int kShots = 100;
   int unbalanced = 0;
   for (int shot = 0; shot < kShots; ++shot) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s = cubeAt({0, 0, 0}, 1e4);
     s.rotation = anyRotation(random);
-    SoftBody* resting = addAwakeCube(system, s);
+    SoftBody* resting = addAwakeCube(bullet.system, s);
     s.rotation = anyRotation(random);
     s.position.x() = -2.0;
     for (const int axis : {1, 2}) s.position[axis] = 0.3 * any(random);
     s.linearVelocity = {8, 0, 0};
     for (double& w : s.angularVelocity) w = 2.0 * any(random);
-    SoftBody* moving = addAwakeCube(system, s);
+    SoftBody* moving = addAwakeCube(bullet.system, s);
     const Vector3d linear = moving->linearMomentum(), angular = moving->angularMomentum();
     const double energy = moving->kineticEnergy();
     bullet.simulate(0.6);
     ASSERT_GT(resting->linearMomentum().x(), 0.5) << "they have met";
     EXPECT_LT((resting->linearMomentum() + moving->linearMomentum() - linear).norm(), 1e-6 * linear.norm());
-    EXPECT_LT(test::energyOf(*resting) + test::energyOf(*moving), energy * (1 + 1e-9));
+    EXPECT_LT(energyOf(*resting) + energyOf(*moving), energy * (1 + 1e-9));
     const double couple = (resting->angularMomentum() + moving->angularMomentum() - angular).norm();
     EXPECT_LT(couple, 2e-2 * linear.norm());
     if (couple > 1e-4 * linear.norm()) ++unbalanced;
@@ -337,11 +311,10 @@ TEST(SurfaceContact, softAndRigidBodiesKeepTheirMomentaInAHit) {
   std::uniform_real_distribution<double> any(-1, 1);
   for (int shot = 0; shot < 20; ++shot) {
     SCOPED_TRACE(shot);
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     SoftBodySettings s = cubeAt({0, 0, 0}, 1e4);
     s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
-    SoftBody* resting = addAwakeCube(system, s);
+    SoftBody* resting = addAwakeCube(bullet.system, s);
     // Bodies with three equal moments of inertia: Bullet keeps their angular velocity constant.
     const btVector3 start = vec(-2.0, 0.3 * any(random), 0.3 * any(random));
     btRigidBody* moving = shot % 2 ? awake(bullet.addBox(vec(0.3, 0.3, 0.3), 1.0, start))
@@ -369,11 +342,10 @@ TEST(SurfaceContact, noShotStaysInACube) {
   for (const double speed : {20.0, 50.0, 100.0})
     for (int target = 0; target < 3; ++target)
       for (int shot = 0; shot < 200; ++shot) {
-        BulletWorld bullet(0.0);
-        SoftBodySystem system(*bullet.world);
+        SoftWorld bullet(0.0);
         SoftBodySettings s = cubeAt({0, 0, 0});
         s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
-        SoftBody* cube = addAwakeCube(system, s);
+        SoftBody* cube = addAwakeCube(bullet.system, s);
         Vector3d aim = 0.45 * Vector3d(any(random), any(random), any(random));
         for (int axis = 0; axis <= target; ++axis) aim[axis] = std::copysign(0.49, aim[axis]);
         const Vector3d outward = target == 0 ? Vector3d(aim.x() * Vector3d::UnitX()) : aim;
@@ -397,15 +369,14 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughThinThings) {
   enum { Plane, ThinBox, Mesh };
   for (const int kind : {Plane, ThinBox, Mesh})
     for (int shot = 0; shot < 10; ++shot) {
-      BulletWorld bullet(0.0);
+      SoftWorld bullet(0.0);
       if (kind == Plane) bullet.addPlaneFloor();
       if (kind == ThinBox) bullet.addBox(vec(5, 0.005, 5), 0, vec(0, -0.005, 0));
       if (kind == Mesh) bullet.addTriangleFloor();
-      SoftBodySystem system(*bullet.world);
       SoftBodySettings s = cubeAt({0.1, 2.0 + 0.13 * shot, 0.2}, 1e4);
       s.rotation = Eigen::AngleAxisd(0.3 * shot, Vector3d(1, 2, 3).normalized());
       s.linearVelocity = {3, -100, 0};
-      SoftBody* cube = addAwakeCube(system, s);
+      SoftBody* cube = addAwakeCube(bullet.system, s);
       bullet.simulate(0.2);
       EXPECT_GT(lowest(*cube), -kRadius) << kind << ' ' << shot;
       EXPECT_GT(cube->linearMomentum().y(), -1.0) << kind << ' ' << shot;
@@ -417,14 +388,13 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughEachOther) {
   std::uniform_real_distribution<double> any(-1, 1);
   int through = 0;
   for (int shot = 0; shot < 40; ++shot) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet(0.0);
     std::vector<SoftBody*> cubes;
     for (const double side : {-1.0, 1.0}) {
       SoftBodySettings s = cubeAt({1.5 * side, 0.2 * any(random), 0.2 * any(random)}, 1e4);
       s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
       s.linearVelocity = {-20.0 * side, 0, 0};
-      cubes.push_back(addAwakeCube(system, s));
+      cubes.push_back(addAwakeCube(bullet.system, s));
     }
     // two of the shots are deflected sideways and then pass each other, as they do in ticks of 1/1920 s
     bool inside = false;
@@ -444,24 +414,19 @@ TEST(SurfaceContact, fastCubesDoNotPassThroughEachOther) {
 /// contacts there cannot be predicted from the motion at the start of the tick.
 TEST(SurfaceContact, aClothSlidesOverAnEdgeAlikeInHalfTicks) {
   const auto finalPositions = [&](double tick) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBox(vec(6, 1, 6), 0, vec(0, -1, 0))->setFriction(0.5);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {-0.5, 1, 0};
+    SoftBodySettings s = settingsAt({-0.5, 1, 0});
     const Vector3d rotation(0.53, -0.734, -1.55);
     s.rotation = Eigen::AngleAxisd(rotation.norm(), rotation.normalized());
     s.linearVelocity = {-5.24, 3.94, 0};
-    s.extensionStiffness = s.compressionStiffness = 1000.0;
-    s.damping = 1.0;
+    setSprings(s, 1000.0, 1.0);
     s.totalMass = 8.35;
     s.friction = 1.0;
     s.stepping.periodTolerance = 2e-3;
-    ClothSettings shape;
-    shape.columns = shape.rows = 4;
-    SoftBody* cloth = *system.createBody(*buildCloth(shape), s);
+    SoftBody* cloth = bullet.addSoft(squareCloth(4), s);
     bullet.simulate(31.0 / 30.0, tick);
-    return test::placesOf(*cloth);
+    return placesOf(*cloth);
   };
   EXPECT_LT((finalPositions(1.0 / 30.0) - finalPositions(1.0 / 60.0)).cwiseAbs().maxCoeff(), 1.5e-2);
 }
@@ -480,33 +445,22 @@ double fastest(const SoftBody& body) {
 /// default settings.
 TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
   for (const double out : {-0.01, 0.0, 0.02}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.add(std::make_unique<btBoxShape>(vec(2, 1, 2)), 0, vec(2, 1, 0));
-    RopeSettings rope;
-    rope.length = 6.0;
-    rope.segments = 10;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {-6, 2 + out, 0.3};
+    SoftBodySettings s = settingsAt({-6, 2 + out, 0.3});
     s.totalMass = 5.0;
-    s.extensionStiffness = s.compressionStiffness = 1e4;
-    s.damping = 5.0;
+    setSprings(s, 1e4, 5.0);
     s.pointRadius = 0.05;
-    SoftBody* body = *system.createBody(*buildRope(rope), s);
+    SoftBody* body = bullet.addSoft(ropeNetwork(10, 6.0), s);
     body->pin(0), body->pin(10);
     double maxSpeed = 0.0;
     for (int i = 0; i < 60; ++i) bullet.tick(), maxSpeed = std::max(maxSpeed, fastest(*body));
     EXPECT_LT(maxSpeed, 8.0) << "rope, " << out;  // the rope sags by less than a metre
   }
   for (const double height : {2.04, 2.045, 2.05, 2.052}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     bullet.add(std::make_unique<btCapsuleShapeX>(btScalar(0.05), btScalar(2)), 0, vec(0, 2, 0));
-    ClothSettings cells;
-    cells.columns = cells.rows = 8;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, height, 0.5};
-    SoftBody* curtain = *system.createBody(*buildCloth(cells), s);
+    SoftBody* curtain = bullet.addSoft(squareCloth(8), settingsAt({0, height, 0.5}));
     for (std::uint32_t i = 0; i < 9; i += 2) curtain->pin(i);
     double maxSpeed = 0.0;
     for (int i = 0; i < 60; ++i) bullet.tick(), maxSpeed = std::max(maxSpeed, fastest(*curtain));
@@ -518,20 +472,16 @@ TEST(SurfaceContact, pinsMayBeInWhatIsStatic) {
 /// A cloth that hangs over a box lies in waves: the ball lies in dents of it, whose triangles weigh a gram.
 /// The ball has nowhere to take energy from.
 TEST(SurfaceContact, aBallOnAWavyClothComesToRest) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   bullet.addBox(vec(0.3, 0.3, 0.3), 0, vec(0, -0.3, 0));
-  ClothSettings cells;
-  cells.width = cells.depth = 1.2;
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = settingsAt({0, 0.02, 0});
   s.flow = FlowCoefficients();
-  s.position = {0, 0.02, 0};
   s.pointRadius = 0.01;
   s.totalMass = 0.3;
-  SoftBody* cloth = *system.createBody(*buildCloth(cells), s);
+  SoftBody* cloth = bullet.addSoft(squareCloth(16, 1.2), s);
   bullet.simulate(4.0);
   btRigidBody* ball = bullet.add(std::make_unique<btSphereShape>(btScalar(0.25)), 1.0, vec(0.02, 0.3, 0.01));
-  const auto energy = [&] { return test::energyOf(*ball, kGravity) + test::energyOf(*cloth, kGravity); };
+  const auto energy = [&] { return energyOf(*ball, kGravity) + energyOf(*cloth, kGravity); };
   bullet.simulate(1.0);  // it falls on the cloth
   double least = energy();
   for (int i = 0; i < 300; ++i) {
@@ -548,19 +498,18 @@ TEST(SurfaceContact, aBallOnAWavyClothComesToRest) {
 /// The hull of level spheres is flat on top. Round parts of hulls are polyhedra, which end in its plane.
 TEST(SurfaceContact, aCubeLiesOnLevelSpheresAtTheirHeight) {
   for (const double size : {1.0, 2.0}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     const btVector3 centers[] = {vec(-0.7, -0.3, -0.7), vec(0.7, -0.3, -0.7), vec(-0.7, -0.3, 0.7),
                                  vec(0.7, -0.3, 0.7)};
     const btScalar radii[] = {btScalar(0.3), btScalar(0.3), btScalar(0.3), btScalar(0.3)};
     auto spheres = std::make_unique<btMultiSphereShape>(centers, radii, 4);
     spheres->setLocalScaling(vec(size, size, size));
     bullet.add(std::move(spheres), 0, vec(0, 0, 0));
-    SoftBody* cube = addAwakeCube(system, cubeAt({0, 0.55, 0}));
+    SoftBody* cube = addAwakeCube(bullet.system, cubeAt({0, 0.55, 0}));
     bullet.simulate(5.0);
     EXPECT_NEAR(lowest(*cube), kRadius, 1e-5) << size;
   }
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

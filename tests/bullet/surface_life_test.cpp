@@ -1,40 +1,28 @@
 // SPDX-License-Identifier: Zlib
 // Bodies that are one object in the world move, rest and sleep like those whose points are in the world.
 #include "support/allocation_counter.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 #include <functional>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::kTick;
 
 // --- comparison with points --------------------------------------------------------------------------------
 
 using AddFloor = void (*)(BulletWorld&);
 
 double restHeightWith(AddFloor addFloor, Collision collision) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   addFloor(bullet);
-  SoftBodySystem system(*bullet.world);
   SoftBodySettings s;
   s.collision = collision;
   s.position = {0.1, 0.52, 0.05};
   s.friction = 0;
   s.damping = 0.2 * std::sqrt(1000 * 0.125);
   s.sleepingSpeed = 0;
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   bullet.simulate(8.0);
   return body->centerOfMass().y();
 }
@@ -52,13 +40,11 @@ TEST(SurfaceLife, restsAtTheHeightOfPoints) {
 
 TEST(SurfaceLife, aTumbleIsTheSameWhetherTheUserHoldsThePointsOrNot) {
   const auto hash = [](bool exposed) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addPlaneFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.5, 0};
+    SoftBodySettings s = settingsAt({0, 1.5, 0});
     s.angularVelocity = {1, 2, 3};
-    SoftBody* body = *system.createBody(test::fullCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(fullCubeNetwork(), s);
     if (exposed) (void)body->point(0);
     bullet.simulate(3.0);
     return body->stateHash();
@@ -73,10 +59,10 @@ struct Pushed {
   explicit Pushed(Collision collision) : system(*bullet.world) {
     SoftBodySettings s;
     s.collision = collision;
-    body = *system.createBody(test::cubeNetwork(), s);
+    body = *system.createBody(cubeNetwork(), s);
   }
   void push(double newtons) {
-    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->applyCentralForce(test::vec(newtons / 8, 0, 0));
+    for (std::uint32_t i = 0; i < 8; ++i) body->point(i)->applyCentralForce(vec(newtons / 8, 0, 0));
   }
   double momentum() const { return body->linearMomentum().x(); }
 
@@ -117,14 +103,13 @@ TEST(SurfaceForces, oneForceForAllTicksOfAStep) {
 }
 
 TEST(SurfaceForces, nothingIsInTheWorldBesidesTheSurfaceUntilSomebodyHasAPoint) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(cubeNetwork());
   bullet.tick();
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1);
   (void)body->point(0);
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 2);
-  system.destroyBody(body);
+  bullet.system.destroyBody(body);
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
 }
 
@@ -133,9 +118,7 @@ TEST(SurfaceForces, nothingIsInTheWorldBesidesTheSurfaceUntilSomebodyHasAPoint) 
 struct SurfaceSleep : testing::Test {
   SurfaceSleep() : system(*bullet.world) {
     floor = bullet.addBoxFloor();
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 0.52, 0};
-    body = *system.createBody(test::cubeNetwork(), s);
+    body = *system.createBody(cubeNetwork(), settingsAt({0, 0.52, 0}));
   }
   void sleep() {
     for (int i = 0; i < 1200 && !body->sleeping(); ++i) bullet.tick();
@@ -152,8 +135,8 @@ struct SurfaceSleep : testing::Test {
 TEST_F(SurfaceSleep, wakesByTheObjectByACallAndByAChangedPoint) {
   const std::function<void()> wakers[] = {[&] { body->surfaceObject()->activate(); }, [&] { body->wake(); },
                                           [&] { body->point(2)->activate(); },
-                                          [&] { body->point(2)->applyCentralImpulse(test::vec(0, 0.1, 0)); },
-                                          [&] { body->point(2)->translate(test::vec(0.05, 0, 0)); }};
+                                          [&] { body->point(2)->applyCentralImpulse(vec(0, 0.1, 0)); },
+                                          [&] { body->point(2)->translate(vec(0.05, 0, 0)); }};
   for (std::size_t i = 0; i < std::size(wakers); ++i) {
     sleep();
     wakers[i]();
@@ -186,7 +169,7 @@ TEST_F(SurfaceSleep, theUsersDisableDeactivationKeepsItAwake) {
 }
 
 TEST_F(SurfaceSleep, anIslandWithARigidBodyNeverSleepsByHalves) {
-  btRigidBody* neighbour = bullet.addBox(test::vec(0.2, 0.2, 0.2), 1, test::vec(0.74, 0.2, 0));
+  btRigidBody* neighbour = bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0.74, 0.2, 0));
   int asleepTogether = 0;
   for (int i = 0; i < 900; ++i) {
     if (i == 500) neighbour->activate(true);
@@ -208,7 +191,7 @@ TEST_F(SurfaceSleep, aMovingPlatformWakesWhatSleepsOnIt) {
   floor->setCollisionFlags(floor->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
   floor->forceActivationState(DISABLE_DEACTIVATION);
   for (int i = 1; i <= 60; ++i) {
-    floor->setWorldTransform(btTransform(btQuaternion::getIdentity(), test::vec(0, -1 + 0.005 * i, 0)));
+    floor->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, -1 + 0.005 * i, 0)));
     bullet.tick();
   }
   EXPECT_FALSE(body->sleeping());
@@ -231,27 +214,20 @@ TEST_F(SurfaceSleep, outOfTheSimulationItStaysWhereItIs) {
 // --- other -------------------------------------------------------------------------------------------------
 
 TEST(SurfaceLife, aTickAllocatesNothingAlthoughBodiesFlyAndRest) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {1.5 * i, i % 2 ? 0.52 : 300.0, 0};
+    SoftBodySettings s = settingsAt({1.5 * i, i % 2 ? 0.52 : 300.0, 0});
     s.sleepingSpeed = 0;
-    (void)*system.createBody(test::cubeNetwork(), s);
+    (void)bullet.addSoft(cubeNetwork(), s);
   }
   bullet.simulate(2.0);
-  const test::AllocationCounter counter;
-  bullet.simulate(1.0);
-  EXPECT_EQ(counter.allocations(), 0u);
+  EXPECT_EQ(allocationsIn([&] { bullet.simulate(1.0); }), 0u);
 }
 
 TEST(SurfaceLife, aFloorThatComesLaterIsFound) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 2, 0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({0, 2, 0}));
   bullet.simulate(0.3);
   bullet.addBoxFloor();
   bullet.simulate(3.0);
@@ -259,12 +235,9 @@ TEST(SurfaceLife, aFloorThatComesLaterIsFound) {
 }
 
 TEST(SurfaceLife, pairsTheUserHasExcludedDoNotTouch) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   btRigidBody* floor = bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.6, 0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({0, 0.6, 0}));
   body->surfaceObject()->setIgnoreCollisionCheck(floor, true);
   bullet.simulate(1.0);
   EXPECT_LT(body->centerOfMass().y(), -3.0);
@@ -272,14 +245,12 @@ TEST(SurfaceLife, pairsTheUserHasExcludedDoNotTouch) {
 
 TEST(SurfaceLife, softBodiesThatTheUserHasExcludedDoNotTouch) {
   for (const bool both : {false, true}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 0.6, 0};
-    SoftBody* lower = *system.createBody(test::cubeNetwork(), s);
+    SoftBodySettings s = settingsAt({0, 0.6, 0});
+    SoftBody* lower = bullet.addSoft(cubeNetwork(), s);
     s.position = {0.1, 2, 0};
-    SoftBody* upper = *system.createBody(test::cubeNetwork(), s);
+    SoftBody* upper = bullet.addSoft(cubeNetwork(), s);
     upper->surfaceObject()->setIgnoreCollisionCheck(lower->surfaceObject(), true);
     if (both) lower->surfaceObject()->setIgnoreCollisionCheck(upper->surfaceObject(), true);
     bullet.simulate(2.0);
@@ -288,25 +259,21 @@ TEST(SurfaceLife, softBodiesThatTheUserHasExcludedDoNotTouch) {
 }
 
 TEST(SurfaceLife, pairsInOrderOfTheirIdsAreFineToo) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.world->getDispatchInfo().m_deterministicOverlappingPairs = true;
   bullet.addBoxFloor();
-  bullet.addBox(test::vec(0.3, 0.3, 0.3), 1, test::vec(0.2, 0.3, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {1.2, 1, 0};
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  bullet.addBox(vec(0.3, 0.3, 0.3), 1, vec(0.2, 0.3, 0));
+  SoftBody* body = bullet.addSoft(cubeNetwork(), settingsAt({1.2, 1, 0}));
   bullet.simulate(2.0);
   EXPECT_NEAR(body->centerOfMass().y(), 0.52, 0.01);
 }
 
 TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet;
+  SoftBodySettings s = testedSettings();
   s.collisionGroup = 64;
   s.collisionMask = 1 | 2;
-  btRigidBody* object = (*system.createBody(test::cubeNetwork(), s))->surfaceObject();
+  btRigidBody* object = bullet.addSoft(cubeNetwork(), s)->surfaceObject();
   EXPECT_EQ(object->getUserPointer(), nullptr);
   EXPECT_EQ(object->getUserIndex(), -1);
   int mine = 0;
@@ -321,10 +288,9 @@ TEST(SurfaceLife, userPointerIndexAndFiltersAreTheUsers) {
 
 TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   // HelloWorld's clean-up loop, including motion states, after the application has accessed a point
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
-  body->point(0)->applyCentralForce(test::vec(1, 0, 0));
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(cubeNetwork());
+  body->point(0)->applyCentralForce(vec(1, 0, 0));
   bullet.tick();
   for (int i = bullet.world->getNumCollisionObjects() - 1; i >= 0; --i) {
     btRigidBody* object = btRigidBody::upcast(bullet.world->getCollisionObjectArray()[i]);
@@ -336,32 +302,28 @@ TEST(SurfaceLife, theApplicationMayDeleteTheSentinelToo) {
   bullet.tick();
   EXPECT_FALSE(body->alive());
   EXPECT_EQ(body->surfaceObject(), nullptr);
-  (void)*system.createBody(test::cubeNetwork(), test::testedSettings());
+  (void)bullet.addSoft(cubeNetwork());
   bullet.tick();
 }
 
 TEST(SurfaceLife, aBodyWhoseObjectTheApplicationHasRemovedIsNotAlive) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   SoftBodySettings s;
-  SoftBody* body = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(cubeNetwork(), s);
   EXPECT_TRUE(body->alive());
   bullet.world->removeRigidBody(body->surfaceObject());
   EXPECT_FALSE(body->alive()) << "before the next tick";
-  EXPECT_FALSE(system.clone(body, btTransform::getIdentity()));
-  EXPECT_EQ(system.bodyCount(), 1u);
+  EXPECT_FALSE(bullet.system.clone(body, btTransform::getIdentity()));
+  EXPECT_EQ(bullet.system.bodyCount(), 1u);
   bullet.tick();
   EXPECT_FALSE(body->alive());
-  ASSERT_TRUE(system.destroyBody(body));
+  ASSERT_TRUE(bullet.system.destroyBody(body));
 }
 
 /// A pool of bodies. `out`: ticks without the body; then it is added again, as any other or as Bullet's own.
 double heightOfPooled(int out, bool asRigid) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 20, 0};
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), settingsAt({0, 20, 0}));
   for (int i = 0; i < 20; ++i) bullet.tick();
   btRigidBody* object = body->surfaceObject();
   if (out >= 0) {
@@ -390,11 +352,10 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
   BulletWorld other(0.0);
   btRigidBody* object = nullptr;
   {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(test::cubeNetwork(), {});
-    btRigidBody* rigid = bullet.addBox(test::vec(0.1, 0.1, 0.1), 1, test::vec(3, 0, 0));
-    ASSERT_TRUE(system.addSpring({rigid, test::vec(0, 0, 0)}, {nullptr, test::vec(3, 1, 0)}));
+    SoftWorld bullet;
+    SoftBody* body = bullet.addSoft(cubeNetwork(), {});
+    btRigidBody* rigid = bullet.addBox(vec(0.1, 0.1, 0.1), 1, vec(3, 0, 0));
+    ASSERT_TRUE(bullet.system.addSpring({rigid, vec(0, 0, 0)}, {nullptr, vec(3, 1, 0)}));
     bullet.simulate(0.1);
     const Eigen::Vector3d place = body->centerOfMass();
     object = body->surfaceObject();
@@ -402,12 +363,12 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
       bullet.world->removeRigidBody(moved);
       other.world->addRigidBody(moved);
     }
-    rigid->setLinearVelocity(test::vec(0, 0, 0));
+    rigid->setLinearVelocity(vec(0, 0, 0));
     EXPECT_FALSE(body->alive());
     bullet.simulate(0.5);
     EXPECT_EQ(body->centerOfMass(), place);
-    EXPECT_EQ(rigid->getLinearVelocity(), test::vec(0, 0, 0)) << "by the spring of its former world";
-    EXPECT_TRUE(system.destroyBody(body));
+    EXPECT_EQ(rigid->getLinearVelocity(), vec(0, 0, 0)) << "by the spring of its former world";
+    EXPECT_TRUE(bullet.system.destroyBody(body));
     other.world->removeRigidBody(rigid);
     bullet.world->addRigidBody(rigid);
   }
@@ -418,4 +379,4 @@ TEST(SurfaceLife, aBodyWhoseObjectIsInAnotherWorldIsNotAlive) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,38 +1,21 @@
 // SPDX-License-Identifier: Zlib
 // The application's changes to a surface object act on the soft body as on a rigid body of its mass and
 // inertia. The tests compare it with such a rigid twin in a second world.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::angularMomentumOf;
-using test::BulletWorld;
-using test::eigen;
-using test::kRadius;
-using test::kTick;
-using test::momentumOf;
-using test::vec;
 
 constexpr double kMass = 2.0;
 
 SoftBodySettings cubeSettings(const Vector3d& position, double stiffness = 1e4) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = position;
+  SoftBodySettings s = settingsAt(position);
   s.totalMass = kMass;
-  s.extensionStiffness = s.compressionStiffness = stiffness;
-  s.damping = 0.1 * std::sqrt(stiffness);
+  setSprings(s, stiffness, 0.1 * std::sqrt(stiffness));
   return s;
 }
 
@@ -40,7 +23,7 @@ SoftBodySettings cubeSettings(const Vector3d& position, double stiffness = 1e4) 
 struct Twins {
   explicit Twins(double gravity = 0.0, const Vector3d& position = Vector3d(0.3, 2, -0.2))
       : world(gravity), twinWorld(gravity), system(*world.world) {
-    soft = *system.createBody(test::closedCubeNetwork(), cubeSettings(position));
+    soft = *system.createBody(closedCubeNetwork(), cubeSettings(position));
     object = soft->surfaceObject();
     twin = twinWorld.addBox(vec(0.5, 0.5, 0.5), kMass, vec(position.x(), position.y(), position.z()));
     twin->setMassProps(static_cast<btScalar>(kMass), vec(0.5 * kMass, 0.5 * kMass, 0.5 * kMass));
@@ -115,7 +98,7 @@ TEST(SurfaceObjects, aTorqueAboutItsOwnLineDoesNothingToAStraightRope) {
     SoftBodySystem system(*world.world);
     SoftBodySettings s = cubeSettings(Vector3d(0.3, 2, -0.2));
     if (!rotation.isZero()) s.rotation = Eigen::AngleAxisd(rotation.norm(), rotation.normalized());
-    SoftBody& rope = **system.createBody(test::pairNetwork(), s);
+    SoftBody& rope = **system.createBody(pairNetwork(), s);
     rope.surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
     const Vector3d axis = (rope.position(1) - rope.position(0)).normalized(), across = axis.unitOrthogonal();
     const auto spin = [&]() -> Vector3d {
@@ -317,7 +300,7 @@ TEST(SurfaceObjects, aPointToPointConstraintHoldsThemAsRigidBodies) {
     // the pivot of the twin itself moves by up to a centimetre
     ASSERT_LT(double((softPivot - vec(0.5, 2.5, 0.5)).length()), 0.02)
         << "tick " << i << ", the twin: " << double((twinPivot - vec(0.5, 2.5, 0.5)).length());
-    energy = test::energyOf(*t.soft) + kMass * 9.81 * (t.soft->centerOfMass().y() - 2);
+    energy = energyOf(*t.soft) + kMass * 9.81 * (t.soft->centerOfMass().y() - 2);
     // energy does not rise; the rigid twin itself has an error of some per cent of the 17 J of its swing
     ASSERT_LT(energy, 1.0) << "tick " << i;
     if (i < 60) {
@@ -334,15 +317,12 @@ TEST(SurfaceObjects, aPointToPointConstraintHoldsThemAsRigidBodies) {
 TEST(SurfaceObjects, picksDoNotPullThemThroughWalls) {
   for (const double thickness : {0.1, 0.2, 4.0})
     for (const double clamp : {2.0, 10.0, 30.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       bullet.addPlaneFloor();
       bullet.addBox(vec(thickness / 2, 5, 5), 0, vec(2 + thickness / 2, 0, 0));
-      SoftBodySettings s = test::testedSettings();
-      s.position = {0.5, 1.0, 0};
-      s.extensionStiffness = s.compressionStiffness = 2e4;
-      s.damping = 60.0;
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBodySettings s = settingsAt({0.5, 1.0, 0});
+      setSprings(s, 2e4, 60.0);
+      SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
       btPoint2PointConstraint pick(*cube->surfaceObject(), vec(0.1, 0.2, 0));
       pick.m_setting.m_impulseClamp = btScalar(clamp);
       pick.m_setting.m_tau = btScalar(0.001);
@@ -368,16 +348,13 @@ TEST(SurfaceObjects, picksDoNotPullThemThroughWalls) {
 TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
   for (const double tick : {1.0 / 240, 1.0 / 60})
     for (const double mass : {0.2, 1.0, 5.0}) {
-      BulletWorld bullet;
-      SoftBodySystem system(*bullet.world);
+      SoftWorld bullet;
       bullet.addPlaneFloor();
-      SoftBodySettings s = test::testedSettings();
-      s.extensionStiffness = s.compressionStiffness = 1e4;
-      s.damping = 5.0;
-      s.position = {0, 2, 0};
-      SoftBody* shelf = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBodySettings s = settingsAt({0, 2, 0});
+      setSprings(s, 1e4, 5.0);
+      SoftBody* shelf = bullet.addSoft(closedCubeNetwork(), s);
       s.position = {5, 0.7, 0};
-      SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+      SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
       const double radius = kRadius;
       btRigidBody* load = bullet.addBox(vec(0.4, 0.2, 0.4), mass, vec(0, 2.7 + radius, 0));
       btRigidBody* plank = bullet.addBox(vec(1, 0.1, 1), 5.0, vec(5, 0.1, 0));
@@ -392,10 +369,9 @@ TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
       bullet.world->addConstraint(&carried, true);
       for (double t = 0.0; t < 3.0; t += tick) bullet.world->stepSimulation(btScalar(tick), 0);
       SCOPED_TRACE(testing::Message() << mass << " kg, " << tick << " s");
-      EXPECT_NEAR(double(load->getWorldTransform().getOrigin().y()), 2.7 + radius, 0.02);
-      EXPECT_GT(test::lowest(*cube),
-                double(plank->getWorldTransform().getOrigin().y()) + 0.1 + radius - 0.02);
-      EXPECT_NEAR(double(top->getWorldTransform().getOrigin().y()), 1.5, 0.06);
+      EXPECT_NEAR(heightOf(*load), 2.7 + radius, 0.02);
+      EXPECT_GT(lowest(*cube), heightOf(*plank) + 0.1 + radius - 0.02);
+      EXPECT_NEAR(heightOf(*top), 1.5, 0.06);
       bullet.world->removeConstraint(&hung);
       bullet.world->removeConstraint(&carried);
     }
@@ -405,12 +381,10 @@ TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
 /// stored seven times the energy of its motion.
 TEST(SurfaceObjects, aJointDoesNotStretchThem) {
   for (const double tick : {1.0 / 240, 1.0 / 60, 1.0 / 15}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = test::testedSettings();
-    s.extensionStiffness = s.compressionStiffness = 1e5;
-    s.damping = 50.0;
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), s);
+    SoftWorld bullet;
+    SoftBodySettings s = testedSettings();
+    setSprings(s, 1e5, 50.0);
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
     cube->surfaceObject()->setActivationState(DISABLE_DEACTIVATION);
     btPoint2PointConstraint joint(*cube->surfaceObject(), vec(-0.5, 0, 0));
     bullet.world->addConstraint(&joint, true);
@@ -428,10 +402,9 @@ TEST(SurfaceObjects, aJointDoesNotStretchThem) {
 }
 
 TEST(SurfaceObjects, aHeldBodyOnAFloorStaysOnIt) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* soft = *system.createBody(test::closedCubeNetwork(), cubeSettings({0, 0.52, 0}));
+  SoftBody* soft = bullet.addSoft(closedCubeNetwork(), cubeSettings({0, 0.52, 0}));
   btRigidBody* object = soft->surfaceObject();
   object->setActivationState(DISABLE_DEACTIVATION);
   // the constraint pulls it into the floor
@@ -441,7 +414,7 @@ TEST(SurfaceObjects, aHeldBodyOnAFloorStaysOnIt) {
   bullet.world->addConstraint(&joint);
   for (int i = 0; i < 90; ++i) {
     bullet.tick();
-    ASSERT_GT(test::lowest(*soft), 0.015) << "tick " << i;
+    ASSERT_GT(lowest(*soft), 0.015) << "tick " << i;
   }
   EXPECT_NEAR(soft->centerOfMass().x(), 0.5, 0.1);
   bullet.world->removeConstraint(&joint);
@@ -489,4 +462,4 @@ TEST(SurfaceObjects, aJointKeepsMomentumAndAngularMomentum) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,22 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Rays, sweeps and contact tests find the deformed surface of a soft body and return the point on it.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <limits>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::eigen;
 
 /// Records the triangle that Bullet reports for a ray's hit.
 struct Contacts final : btCollisionWorld::ContactResultCallback {
@@ -44,12 +33,11 @@ Eigen::Vector3d pointOf(const SurfaceHit& hit) {
 /// A closed cube after motion, rotation and deformation: its triangles are far from where they started.
 struct SurfaceQuery : testing::Test {
   SurfaceQuery() : bullet(0.0), system(*bullet.world) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {3, 1, -2};
+    SoftBodySettings s = settingsAt({3, 1, -2});
     s.linearVelocity = {1, 0.5, 0};
     s.angularVelocity = {1, 2, 3};
-    body = *system.createBody(test::closedCubeNetwork(), s);
-    body->point(7)->applyCentralImpulse(test::vec(-0.3, -0.2, 0));
+    body = *system.createBody(closedCubeNetwork(), s);
+    body->point(7)->applyCentralImpulse(vec(-0.3, -0.2, 0));
     bullet.simulate(0.3);
   }
   BulletWorld bullet;
@@ -79,7 +67,7 @@ TEST_F(SurfaceQuery, aRayHitsTheMiddleOfEveryTriangle) {
     for (int i = 0; i < 3; ++i) x.col(i) = body->position(surface[t][static_cast<std::size_t>(i)]);
     const Eigen::Vector3d normal = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).normalized();
     const Eigen::Vector3d target = x * weights, from = target + 0.1 * normal, to = target - 0.1 * normal;
-    test::TriangleRay ray(test::vec(from.x(), from.y(), from.z()), test::vec(to.x(), to.y(), to.z()));
+    TriangleRay ray(vec(from.x(), from.y(), from.z()), vec(to.x(), to.y(), to.z()));
     bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
     ASSERT_TRUE(ray.hasHit()) << t;
     EXPECT_EQ(ray.m_collisionObject, body->surfaceObject());
@@ -111,7 +99,7 @@ TEST_F(SurfaceQuery, aPlaceBesideATriangleIsMovedToItsNearestSide) {
   const Triangle& corners = body->network().surface[4];
   const Eigen::Vector3d a = body->position(corners[0]), b = body->position(corners[1]),
                         c = body->position(corners[2]), beyond = b + 0.5 * (b - 0.5 * (a + c));
-  const SurfaceHit hit = surfaceHit(body->surfaceObject(), 4, test::vec(beyond.x(), beyond.y(), beyond.z()));
+  const SurfaceHit hit = surfaceHit(body->surfaceObject(), 4, vec(beyond.x(), beyond.y(), beyond.z()));
   EXPECT_GE(hit.weights.minCoeff(), 0.0);
   EXPECT_NEAR(hit.weights.sum(), 1.0, 1e-12);
   // the smallest distance over a grid on the triangle
@@ -126,9 +114,9 @@ TEST_F(SurfaceQuery, aPlaceBesideATriangleIsMovedToItsNearestSide) {
 
 TEST_F(SurfaceQuery, sweepsAndContactTestsFindItToo) {
   const Eigen::Vector3d center = body->centerOfMass();
-  const btVector3 c = test::vec(center.x(), center.y(), center.z());
-  btSphereShape ball(test::vec(0.1, 0, 0).x());
-  btTransform from(btQuaternion::getIdentity(), c + test::vec(0, 3, 0)), to(btQuaternion::getIdentity(), c);
+  const btVector3 c = vec(center.x(), center.y(), center.z());
+  btSphereShape ball(vec(0.1, 0, 0).x());
+  btTransform from(btQuaternion::getIdentity(), c + vec(0, 3, 0)), to(btQuaternion::getIdentity(), c);
   btCollisionWorld::ClosestConvexResultCallback sweep(from.getOrigin(), to.getOrigin());
   bullet.world->convexSweepTest(&ball, from, to, sweep);
   ASSERT_TRUE(sweep.hasHit());
@@ -139,7 +127,7 @@ TEST_F(SurfaceQuery, sweepsAndContactTestsFindItToo) {
       (body->position(corners[0]) + body->position(corners[1]) + body->position(corners[2])) / 3;
   btCollisionObject probe;
   probe.setCollisionShape(&ball);
-  probe.getWorldTransform().setOrigin(test::vec(middle.x(), middle.y(), middle.z()));
+  probe.getWorldTransform().setOrigin(vec(middle.x(), middle.y(), middle.z()));
   Contacts all, pair;
   bullet.world->contactTest(&probe, all);
   EXPECT_EQ(all.surface, body->surfaceObject());
@@ -147,26 +135,24 @@ TEST_F(SurfaceQuery, sweepsAndContactTestsFindItToo) {
   bullet.world->contactPairTest(&probe, body->surfaceObject(), pair);
   EXPECT_GE(pair.found, 1);
   EXPECT_NE(surfaceHit(pair.surface, pair.triangle, probe.getWorldTransform().getOrigin()).body, nullptr);
-  probe.getWorldTransform().setOrigin(test::vec(50, 50, 50));
+  probe.getWorldTransform().setOrigin(vec(50, 50, 50));
   Contacts none;
   bullet.world->contactPairTest(&probe, body->surfaceObject(), none);
   EXPECT_EQ(none.found, 0);
 }
 
 TEST(SurfaceOfARope, isFoundAlongItsSprings) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 1, 0};
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = settingsAt({0, 1, 0});
   s.pointRadius = 0.05;
-  SoftBody* rope = *system.createBody(test::chainNetwork(4), s);
+  SoftBody* rope = bullet.addSoft(chainNetwork(4), s);
   bullet.tick();
   // at 0.6 of the third spring, from two sides; 4 cm off axis still hits, 6 cm does not
   for (const auto& [direction, side] :
-       {std::pair(test::vec(1, 0, 0), test::vec(0, 0, 1)), std::pair(test::vec(0, 0, 1), test::vec(1, 0, 0))})
+       {std::pair(vec(1, 0, 0), vec(0, 0, 1)), std::pair(vec(0, 0, 1), vec(1, 0, 0))})
     for (const double off : {0.0, 0.04, 0.06}) {
-      const btVector3 target = test::vec(0, 1 - 0.65, 0) + side * test::vec(off, 0, 0).x();
-      test::TriangleRay ray(target - direction, target + direction);
+      const btVector3 target = vec(0, 1 - 0.65, 0) + side * vec(off, 0, 0).x();
+      TriangleRay ray(target - direction, target + direction);
       bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
       EXPECT_EQ(ray.hasHit(), off < 0.05);
       if (!ray.hasHit()) continue;
@@ -180,20 +166,19 @@ TEST(SurfaceOfARope, isFoundAlongItsSprings) {
 }
 
 TEST(SurfaceQueries, findAMovedBodyAtOnce) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.05;
-  SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+  SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
   bullet.tick();
   const auto isHitAt = [&](double x) {
-    test::TriangleRay ray(test::vec(x, 5, 0.5), test::vec(x, -5, 0.5));
+    TriangleRay ray(vec(x, 5, 0.5), vec(x, -5, 0.5));
     bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
     return ray.hasHit();
   };
   ASSERT_TRUE(isHitAt(0.5));
   const std::vector<std::uint8_t> state = body->saveState();
-  const btTransform there(btQuaternion::getIdentity(), test::vec(100, 0, 0));
+  const btTransform there(btQuaternion::getIdentity(), vec(100, 0, 0));
   ASSERT_TRUE(body->setTransform(there));
   EXPECT_TRUE(isHitAt(100.5));
   EXPECT_FALSE(isHitAt(0.5));
@@ -212,4 +197,4 @@ TEST(SurfaceQueries, findAMovedBodyAtOnce) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: Zlib
 // Worlds full of bodies in air, water and fields: threads, lanes, memory.
 #include "support/allocation_counter.h"
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
 
 SoftBodySettings settingsInAir() {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.flow = FlowCoefficients();
   return s;
 }
@@ -34,7 +27,7 @@ struct BusyWorld {
     EXPECT_TRUE(system.addField([](const FieldPoints& p) {
       for (std::size_t i = 0; i < 3 * p.count; ++i) p.accelerations[i] -= 0.3 * p.velocities[i];
     }));
-    const SharedNetwork rope = *buildRope(), cloth = *buildCloth(), cube = test::closedCubeNetwork();
+    const SharedNetwork rope = *buildRope(), cloth = *buildCloth(), cube = closedCubeNetwork();
     SoftBodySettings s = settingsInAir();
     s.flow.displacedVolume = 1e-3;
     for (int i = 0; i < 12; ++i) {
@@ -76,32 +69,29 @@ TEST(BusySurroundings, givesTheSameBitsOnAnyNumberOfThreads) {
 TEST(BusySurroundings, allocatesNothingAfterWarmUp) {
   BusyWorld busy;
   busy.bullet.simulate(5.0);
-  const test::AllocationCounter counter;
-  busy.bullet.simulate(1.0);
-  EXPECT_EQ(counter.allocations(), 0u);
+  EXPECT_EQ(allocationsIn([&] { busy.bullet.simulate(1.0); }), 0u);
 }
 
 TEST(BusySurroundings, bodiesStepTheSameAloneAndInLanes) {
   const auto run = [](int count) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     Air air;
     air.windAt = [](const Vector3d& place, double time) {
       return Vector3d(3.0 * std::sin(place.z() + time), 2.0 * std::cos(time), 0);
     };
-    EXPECT_TRUE(system.setAir(air));
+    EXPECT_TRUE(bullet.system.setAir(air));
     const SharedNetwork rope = *buildRope();
     for (int i = 0; i < count; ++i) {
       SoftBodySettings s = settingsInAir();
       s.totalMass = 0.05;
       s.position = {0, 0, 3.0 * i};
-      EXPECT_TRUE((*system.createBody(rope, s))->pin(0));
+      EXPECT_TRUE(bullet.addSoft(rope, s)->pin(0));
     }
     bullet.simulate(2.0);
-    return system.body(0)->stateHash();
+    return bullet.system.body(0)->stateHash();
   };
   EXPECT_EQ(run(1), run(9));
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // Air and fields against closed forms; stability; sleep.
 #include "support/surroundings.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cmath>
 #include <limits>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::fallOf;
-using test::heightOf;
-using test::kGravity;
-using test::solidOf;
-using test::stiffSolid;
-using test::SurroundingsTest;
-using test::usualSettings;
 
 /// Adds a plate of 0.5 kg and 1 m x 1 m, broadside to its fall.
 SoftBody* addPlate(SurroundingsTest& world) {
@@ -31,21 +18,13 @@ SoftBody* addPlate(SurroundingsTest& world) {
   s.scale = {1.0, 0.05, 1.0};
   s.flow.drag = 1.17;
   s.flow.friction = 0.0;
-  return world.add(solidOf(small_meshes::cube(2)), s);
-}
-
-/// Of 1 m x 1 m.
-SharedNetwork clothOf(std::uint32_t cells) {
-  ClothSettings c;
-  c.columns = c.rows = cells;
-  return *buildCloth(c);
+  return world.add(bracedNetwork(small_meshes::cube(2)), s);
 }
 
 SoftBodySettings clothSettings(double mass) {
   SoftBodySettings s = usualSettings();
   s.totalMass = mass;
-  s.extensionStiffness = s.compressionStiffness = 2000.0 * mass;
-  s.damping = mass;
+  setSprings(s, 2000.0 * mass, mass);
   s.flow.friction = 0.0;
   s.flow.linearDrag = 0.0;
   return s;
@@ -54,32 +33,26 @@ SoftBodySettings clothSettings(double mass) {
 // --- drag --------------------------------------------------------------------------------------------------
 
 /// Returns where the points of a cloth in air are that has swung on one edge for a second.
-std::vector<Vector3d> swungCloth(double tick) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+Eigen::Matrix3Xd swungCloth(double tick) {
+  SoftWorld bullet;
   SoftBodySettings s = clothSettings(0.5);
   s.position = {0, 2, 0};
-  SoftBody* body = *system.createBody(clothOf(8), s);
+  SoftBody* body = bullet.addSoft(squareCloth(8), s);
   for (std::uint32_t i = 0; i < 9; ++i) body->pin(i);
-  for (int i = 0; i < static_cast<int>(std::lround(1.0 / tick)); ++i)
-    bullet.world->stepSimulation(static_cast<btScalar>(tick), 0);
-  std::vector<Vector3d> places;
-  for (std::uint32_t i = 0; i < body->pointCount(); ++i) places.push_back(body->position(i));
-  return places;
+  bullet.simulate(1.0, tick);
+  return placesOf(*body);
 }
 
 /// Drag by the speeds of the last tick and the directions at the start of this one would differ by 9 mm.
 TEST(SurroundedCloth, swingsAlikeInShortTicks) {
-  const std::vector<Vector3d> usual = swungCloth(1.0 / 60.0), fine = swungCloth(1.0 / 240.0);
-  double largest = 0.0;
-  for (std::size_t i = 0; i < usual.size(); ++i) largest = std::max(largest, (usual[i] - fine[i]).norm());
-  EXPECT_LT(largest, 2e-3);
+  const Eigen::Matrix3Xd usual = swungCloth(1.0 / 60.0), fine = swungCloth(1.0 / 240.0);
+  EXPECT_LT((usual - fine).colwise().norm().maxCoeff(), 2e-3);
 }
 
 TEST_F(SurroundingsTest, aFallWithLinearDragIsExponential) {
   SoftBodySettings s = usualSettings();
   s.flow.linearDrag = 0.7;
-  const SoftBody* body = add(test::cubeNetwork(), s);
+  const SoftBody* body = add(cubeNetwork(), s);
   const double end = kGravity / 0.7;
   for (int tick = 1; tick <= 240; ++tick) {
     bullet.tick();
@@ -112,7 +85,7 @@ TEST_F(SurroundingsTest, aClothFallsFlatAtItsTerminalSpeed) {
   SoftBodySettings s = usualSettings();
   s.flow.drag = 1.17;
   s.flow.linearDrag = 0.0;
-  const SoftBody* cloth = add(clothOf(16), s);
+  const SoftBody* cloth = add(squareCloth(16), s);
   bullet.simulate(10.0);
   EXPECT_NEAR(fallOf(*cloth), std::sqrt(2.0 * s.totalMass * kGravity / (1.2 * 1.17)), 0.01);
 }
@@ -124,11 +97,11 @@ TEST_F(SurroundingsTest, aBallFallsAtItsTerminalSpeed) {
     const Vector3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
     frontal += 0.25 * std::abs((b - a).cross(c - a).y());
   }
-  EXPECT_NEAR(frontal, test::kPi, 0.1);
+  EXPECT_NEAR(frontal, kPi, 0.1);
   SoftBodySettings s = stiffSolid(2.0);
   s.flow.drag = 0.47;
   s.flow.friction = 0.0;
-  const SoftBody* body = add(solidOf(mesh), s);
+  const SoftBody* body = add(bracedNetwork(mesh), s);
   bullet.simulate(20.0);
   EXPECT_NEAR(fallOf(*body), std::sqrt(2.0 * 2.0 * kGravity / (1.2 * 0.47 * frontal)), 0.05);
 }
@@ -138,10 +111,9 @@ TEST_F(SurroundingsTest, aFlagHangsAtTheAngleOfItsLoads) {
   for (const double wind : {1.0, 2.0, 3.0}) {
     const double mass = 0.4;
     SoftBodySettings s = clothSettings(mass);
-    s.extensionStiffness = s.compressionStiffness = 4000.0;
-    s.damping = 2.0;
-    s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Vector3d::UnitX());
-    SoftBody* flag = add(clothOf(8), s);
+    setSprings(s, 4000.0, 2.0);
+    s.rotation = Eigen::AngleAxisd(0.5 * kPi, Vector3d::UnitX());
+    SoftBody* flag = add(squareCloth(8), s);
     for (std::uint32_t i = 0; i <= 8; ++i) ASSERT_TRUE(flag->pin(i));
     setWind({0, 0, wind});
     bullet.simulate(20.0);
@@ -156,17 +128,15 @@ TEST_F(SurroundingsTest, aFlagHangsAtTheAngleOfItsLoads) {
 /// Returns the mean force (N) along the wind on the pole of a light flag.
 double forceOfFlag(double tick) {
   constexpr std::uint32_t kCells = 8;
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   Air air;
   air.wind = {15, 0, 0};
-  EXPECT_TRUE(system.setAir(air));
+  EXPECT_TRUE(bullet.system.setAir(air));
   SoftBodySettings s = usualSettings();
   s.totalMass = 0.075;
-  s.extensionStiffness = s.compressionStiffness = 5000.0;
-  s.damping = 0.5;
-  s.rotation = Eigen::AngleAxisd(0.5 * test::kPi, Vector3d::UnitX());
-  SoftBody* flag = *system.createBody(clothOf(kCells), s);
+  setSprings(s, 5000.0, 0.5);
+  s.rotation = Eigen::AngleAxisd(0.5 * kPi, Vector3d::UnitX());
+  SoftBody* flag = bullet.addSoft(squareCloth(kCells), s);
   for (std::uint32_t row = 0; row <= kCells; ++row) flag->pin(row * (kCells + 1));
   double sum = 0.0;
   int ticks = 0;
@@ -206,7 +176,7 @@ TEST_F(SurroundingsTest, aHurricaneNeverMakesALooseClothFasterThanItself) {
     for (const double mass : {0.01, 1.0}) {
       SoftBodySettings s = clothSettings(mass);
       s.flow.lift = 0.0;
-      SoftBody* cloth = add(clothOf(6), s);
+      SoftBody* cloth = add(squareCloth(6), s);
       double energy = 0.5 * mass * wind.squaredNorm();
       for (int i = 0; i < 60; ++i) {
         bullet.tick(tick);
@@ -225,7 +195,7 @@ TEST_F(SurroundingsTest, aPinnedClothStaysFiniteInAHurricane) {
   air.wind = {0, 0, 70};
   air.windAt = gusts(air.wind, 20.0, 2.0);
   ASSERT_TRUE(system.setAir(air));
-  SoftBody* cloth = add(clothOf(8), clothSettings(0.05));
+  SoftBody* cloth = add(squareCloth(8), clothSettings(0.05));
   ASSERT_TRUE(cloth->pin(0));
   ASSERT_TRUE(cloth->pin(8));
   for (int i = 0; i < 300; ++i) {
@@ -241,7 +211,7 @@ TEST_F(SurroundingsTest, aPinnedClothStaysFiniteInTheStrongestFlow) {
   air.wind = {1e6, -1e6, 1e6};
   ASSERT_TRUE(system.setAir(air));
   for (const bool pinned : {true, false}) {
-    SoftBody* cloth = add(clothOf(4), clothSettings(0.05));
+    SoftBody* cloth = add(squareCloth(4), clothSettings(0.05));
     if (pinned) {
       ASSERT_TRUE(cloth->pin(0));
     }
@@ -261,7 +231,7 @@ TEST_F(SurroundingsTest, aClothOnTwoPinsComesToRest) {
 
 TEST_F(SurroundingsTest, solidsAndVacuumHaveNoDrag) {
   setWind({10, 0, 0});
-  const SoftBody* cube = add(test::closedCubeNetwork(), usualSettings());
+  const SoftBody* cube = add(closedCubeNetwork(), usualSettings());
   bullet.simulate(1.0);
   EXPECT_NEAR(cube->linearMomentum().x(), 0.0, 1e-9);
   setWind({10, 0, 0}, 0.0);
@@ -285,7 +255,7 @@ TEST_F(SurroundingsTest, aConstantFieldIsLikeGravity) {
     world.addPlaneFloor();
     SoftBodySettings s = usualSettings();
     s.position = {0, 1.5, 0};
-    const SoftBody* body = *soft.createBody(test::closedCubeNetwork(), s);
+    const SoftBody* body = *soft.createBody(closedCubeNetwork(), s);
     world.simulate(0.4);
     return body->centerOfMass().y();
   };
@@ -303,7 +273,7 @@ TEST_F(SurroundingsTest, aFieldOfPlacesGainsNoEnergy) {
     s.position = {2, 0, 0};
     s.linearVelocity = {0, 1, 0};
     s.sleepingSpeed = 0.0;
-    const SoftBody* body = *soft.createBody(test::closedCubeNetwork(), s);
+    const SoftBody* body = *soft.createBody(closedCubeNetwork(), s);
     const auto energy = [&] {
       return 0.5 * (body->linearMomentum() / body->totalMass()).squaredNorm() +
              0.5 * w * w * body->centerOfMass().squaredNorm();
@@ -320,9 +290,9 @@ TEST_F(SurroundingsTest, aFieldOfPlacesGainsNoEnergy) {
 
 TEST_F(SurroundingsTest, fieldsActOnTheirBodyAloneAndEndWithIt) {
   SoftBodySettings s = usualSettings();
-  SoftBody* pushed = add(test::cubeNetwork(), s);
+  SoftBody* pushed = add(cubeNetwork(), s);
   s.position = {5, 0, 0};
-  const SoftBody* other = add(test::cubeNetwork(), s);
+  const SoftBody* other = add(cubeNetwork(), s);
   int calls = 0;
   const Result<std::uint64_t> field = system.addField(
       [&](const FieldPoints& p) {
@@ -343,7 +313,7 @@ TEST_F(SurroundingsTest, fieldsActOnTheirBodyAloneAndEndWithIt) {
 
 TEST_F(SurroundingsTest, aFieldThatIsNotFiniteIsLeftOut) {
   system.onWarning([](const std::string&) {});
-  const SoftBody* body = add(test::cubeNetwork(), usualSettings());
+  const SoftBody* body = add(cubeNetwork(), usualSettings());
   ASSERT_TRUE(system.addField([](const FieldPoints& p) { p.accelerations[4] = std::nan(""); }));
   bullet.simulate(0.5);
   EXPECT_NEAR(fallOf(*body), 0.5 * kGravity, 1e-3);
@@ -354,11 +324,10 @@ TEST_F(SurroundingsTest, aFieldThatIsNotFiniteIsLeftOut) {
 
 TEST(SurroundedSteppers, haveTheSameTerminalSpeed) {
   for (const Stepper stepper : {Stepper::Verlet, Stepper::ImplicitMidpoint, Stepper::Newton}) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
+    SoftWorld bullet;
     SoftBodySettings s = clothSettings(0.5);
     s.stepping.stepper = stepper;
-    const SoftBody* cloth = *system.createBody(clothOf(4), s);
+    const SoftBody* cloth = bullet.addSoft(squareCloth(4), s);
     bullet.simulate(8.0);
     EXPECT_EQ(cloth->stepper(), stepper);
     EXPECT_NEAR(fallOf(*cloth), std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.2)), 0.02) << int(stepper);
@@ -373,7 +342,7 @@ TEST_F(SurroundingsTest, bodiesSleepInSteadySurroundingsAndWakeWhenTheyChange) {
   s.position = {0, 0.52, 0};
   s.flow.drag = 1.0;
   s.friction = 1.0;
-  SoftBody* cube = add(test::closedCubeNetwork(), s);
+  SoftBody* cube = add(closedCubeNetwork(), s);
   ASSERT_TRUE(system.addField([](const FieldPoints& p) {
     for (std::size_t i = 0; i < p.count; ++i) p.accelerations[3 * i] += 0.5;
   }));
@@ -403,7 +372,7 @@ TEST_F(SurroundingsTest, aGustWakesASleepingBody) {
   SoftBodySettings s = usualSettings();
   s.position = {0, 0.52, 0};
   s.flow.drag = 1.0;
-  SoftBody* cube = add(test::closedCubeNetwork(), s);
+  SoftBody* cube = add(closedCubeNetwork(), s);
   Air air;
   air.windAt = [](const Vector3d&, double time) { return Vector3d(time > 10.0 ? 3.0 : 0.0, 0, 0); };
   ASSERT_TRUE(system.setAir(air));
@@ -431,9 +400,9 @@ TEST_F(SurroundingsTest, errorsNameTheField) {
   SoftBodySettings s = usualSettings();
   s.flow.drag = 0.5;
   s.flow.lift = 0.6;
-  EXPECT_EQ(system.createBody(test::cubeNetwork(), s).error(),
+  EXPECT_EQ(system.createBody(cubeNetwork(), s).error(),
             "settings: flow.lift is 0.6, must be from 0 to drag");
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,32 +1,19 @@
 // SPDX-License-Identifier: Zlib
 // World, bodies and system may be destroyed in any order. AddressSanitizer detects every invalid access.
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/contacts.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <cstdlib>
 #include <utility>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-
 SoftBody* addCube(SoftBodySystem& system, double x = 0.0) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {x, 1, 0};
-  return *system.createBody(test::cubeNetwork(), s);
+  return *system.createBody(cubeNetwork(), settingsAt({x, 1, 0}));
 }
 
 /// Returns an object that represents the body in the world: one of its points, or its surface.
-btRigidBody* worldObjectOf(const SoftBody& body) {
-  return test::kSurface ? body.surfaceObject() : body.point(2);
-}
+btRigidBody* worldObjectOf(const SoftBody& body) { return kSurface ? body.surfaceObject() : body.point(2); }
 
 /// The clean-up loop of Bullet's HelloWorld and of CommonRigidBodyBase. It deletes every collision object.
 void deleteAllObjects(btDiscreteDynamicsWorld& world) {
@@ -51,9 +38,8 @@ TEST(Teardown, systemFirst) {
 }
 
 TEST(Teardown, worldFirstWithTheBodiesInIt) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = addCube(system);
+  SoftWorld bullet;
+  SoftBody* body = addCube(bullet.system);
   bullet.tick();
   bullet.world.reset();
   EXPECT_FALSE(worldObjectOf(*body)->isInWorld());
@@ -74,31 +60,28 @@ TEST(Teardown, pointsMayBeAskedForWhenTheWorldHasGone) {
 }
 
 TEST(Teardown, worldFirstThenRemoveAll) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  addCube(system);
+  SoftWorld bullet;
+  addCube(bullet.system);
   bullet.tick();
   bullet.world.reset();
-  system.removeAll();
-  EXPECT_EQ(system.bodyCount(), 0u);
+  bullet.system.removeAll();
+  EXPECT_EQ(bullet.system.bodyCount(), 0u);
 }
 
 TEST(Teardown, worldFirstWithoutAnyBody) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  system.destroyBody(addCube(system));
+  SoftWorld bullet;
+  bullet.system.destroyBody(addCube(bullet.system));
   bullet.tick();
   bullet.world.reset();
 }
 
 TEST(Teardown, helloWorldLoopThenWorldThenSystem) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = addCube(system);
+  SoftWorld bullet;
+  SoftBody* body = addCube(bullet.system);
   bullet.tick();
   deleteAllObjects(*bullet.world);
   EXPECT_FALSE(body->alive());
-  EXPECT_EQ(test::kSurface ? body->surfaceObject() : body->point(3), nullptr);
+  EXPECT_EQ(kSurface ? body->surfaceObject() : body->point(3), nullptr);
   bullet.tick();
   bullet.world.reset();
 }
@@ -116,12 +99,11 @@ TEST(Teardown, helloWorldLoopThenSystemThenWorld) {
 
 TEST(Teardown, aNewWorldAtTheSamePlaceIsHookedAnew) {
   for (int round = 0; round < 3; ++round) {
-    BulletWorld bullet;
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = addCube(system);
+    SoftWorld bullet;
+    SoftBody* body = addCube(bullet.system);
     bullet.tick();
     EXPECT_GT(body->substeps(), 0);
-    EXPECT_EQ(system.hookState(), HookState::Attached);
+    EXPECT_EQ(bullet.system.hookState(), HookState::Attached);
     bullet.world.reset();
   }
 }
@@ -142,14 +124,14 @@ TEST(Teardown, aNewWorldAtTheSamePlaceMayHaveBodiesBeforeTheOldSystemGoes) {
   btDiscreteDynamicsWorld* world = make(first);
   auto old = std::make_unique<SoftBodySystem>(*world);
   addCube(*old);
-  world->stepSimulation(btScalar(test::kTick), 0);
+  world->stepSimulation(btScalar(kTick), 0);
   world->~btDiscreteDynamicsWorld();
   world = make(second);
   auto system = std::make_unique<SoftBodySystem>(*world);
   SoftBody* cube = addCube(*system);
-  for (int i = 0; i < 10; ++i) world->stepSimulation(btScalar(test::kTick), 0);
+  for (int i = 0; i < 10; ++i) world->stepSimulation(btScalar(kTick), 0);
   old.reset();
-  for (int i = 0; i < 20; ++i) world->stepSimulation(btScalar(test::kTick), 0);
+  for (int i = 0; i < 20; ++i) world->stepSimulation(btScalar(kTick), 0);
   EXPECT_EQ(system->hookState(), HookState::Attached);
   EXPECT_GT(cube->substeps(), 0);
   EXPECT_LT(cube->centerOfMass().y(), 0.0) << "half a second of fall";
@@ -158,30 +140,26 @@ TEST(Teardown, aNewWorldAtTheSamePlaceMayHaveBodiesBeforeTheOldSystemGoes) {
 }
 
 TEST(Teardown, removingOnePointEndsTheBodyButNotTheWorld) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBody* first = addCube(system);
-  SoftBody* second = addCube(system);
+  SoftBody* first = addCube(bullet.system);
+  SoftBody* second = addCube(bullet.system);
   bullet.tick();
   bullet.world->removeRigidBody(worldObjectOf(*first));
   bullet.simulate(0.2);
   EXPECT_FALSE(first->alive());
   EXPECT_TRUE(second->alive());
   EXPECT_GT(second->substeps(), 0);
-  system.destroyBody(first);
+  bullet.system.destroyBody(first);
   bullet.tick();
-  EXPECT_EQ(system.bodyCount(), 1u);
+  EXPECT_EQ(bullet.system.bodyCount(), 1u);
 }
 
 TEST(Teardown, theOtherPointsRestOnTheFloorAsBulletsOwnBodies) {
-  if (test::kSurface) GTEST_SKIP() << "no points in the world";
-  BulletWorld bullet;
+  if (kSurface) GTEST_SKIP() << "no points in the world";
+  SoftWorld bullet;
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.52, 0};
-  SoftBody* cube = *system.createBody(test::cubeNetwork(), s);
+  SoftBody* cube = bullet.addSoft(cubeNetwork(), settingsAt({0, 0.52, 0}));
   for (int i = 0; i < 60; ++i) bullet.tick();
   btRigidBody* removed = nullptr;
   for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
@@ -196,36 +174,34 @@ TEST(Teardown, theOtherPointsRestOnTheFloorAsBulletsOwnBodies) {
 }
 
 TEST(Teardown, bodiesComeAndGoWhileTheWorldRuns) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   for (int i = 0; i < 20; ++i) {
-    addCube(system, 0.7 * i);  // partly in the last one
+    addCube(bullet.system, 0.7 * i);  // partly in the last one
     bullet.tick();
-    if (i % 3 == 2) system.destroyBody(system.body(0));
+    if (i % 3 == 2) bullet.system.destroyBody(bullet.system.body(0));
     bullet.tick();
   }
-  EXPECT_EQ(system.bodyCount(), 14u);
-  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1 + 14 * (test::kSurface ? 1 : 8));
-  system.removeAll();
+  EXPECT_EQ(bullet.system.bodyCount(), 14u);
+  EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1 + 14 * (kSurface ? 1 : 8));
+  bullet.system.removeAll();
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 1);
 }
 
 TEST(Teardown, springsAndAnchorsGoWithTheirBodies) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* a = addCube(system);
-  SoftBody* b = addCube(system);
+  SoftWorld bullet;
+  SoftBody* a = addCube(bullet.system);
+  SoftBody* b = addCube(bullet.system);
   btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 5, 0));
-  ASSERT_TRUE(system.addSpring({a->point(0)}, {b->point(0)}));
-  ASSERT_TRUE(system.addSpring({a->point(1)}, {box}));
-  ASSERT_TRUE(system.attach(b, 3, *box));
+  ASSERT_TRUE(bullet.system.addSpring({a->point(0)}, {b->point(0)}));
+  ASSERT_TRUE(bullet.system.addSpring({a->point(1)}, {box}));
+  ASSERT_TRUE(bullet.system.attach(b, 3, *box));
   bullet.tick();
-  system.destroyBody(a);
-  EXPECT_EQ(system.springCount(), 0u);
+  bullet.system.destroyBody(a);
+  EXPECT_EQ(bullet.system.springCount(), 0u);
   bullet.tick();
-  system.forget(*box);
-  EXPECT_FALSE(system.detach(b, 3)) << "it was already let go";
+  bullet.system.forget(*box);
+  EXPECT_FALSE(bullet.system.detach(b, 3)) << "it was already let go";
   bullet.world->removeRigidBody(box);
   bullet.tick();
   EXPECT_TRUE(b->alive());
@@ -249,30 +225,28 @@ TEST(Teardown, springsOfAnotherSystemGoWithTheSystemOfTheirPoints) {
 }
 
 TEST(Teardown, springsOnDeletedPointsGoWithThem) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* a = addCube(system);
-  SoftBody* b = addCube(system);
-  ASSERT_TRUE(system.addSpring({a->point(0)}, {b->point(0)}));
-  ASSERT_TRUE(system.addSpring({b->point(1)}, {nullptr}));
+  SoftWorld bullet;
+  SoftBody* a = addCube(bullet.system);
+  SoftBody* b = addCube(bullet.system);
+  ASSERT_TRUE(bullet.system.addSpring({a->point(0)}, {b->point(0)}));
+  ASSERT_TRUE(bullet.system.addSpring({b->point(1)}, {nullptr}));
   bullet.tick();
   btRigidBody* point = a->point(0);
   bullet.world->removeRigidBody(point);
   bullet.tick();
   delete point;
   bullet.tick();
-  EXPECT_EQ(system.springCount(), 1u);
+  EXPECT_EQ(bullet.system.springCount(), 1u);
   EXPECT_TRUE(b->alive());
 }
 
 TEST(Teardown, aRigidBodyMayLeaveTheWorldAndComeBack) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = addCube(system);
+  SoftWorld bullet(0.0);
+  SoftBody* body = addCube(bullet.system);
   btRigidBody* box = bullet.addBox(btVector3(1, 1, 1), 1, btVector3(0, 9, 0));
   SpringSettings pull;
   pull.restLength = 1.0;
-  ASSERT_TRUE(system.addSpring({body->point(0)}, {box}, pull));
+  ASSERT_TRUE(bullet.system.addSpring({body->point(0)}, {box}, pull));
   bullet.world->removeRigidBody(box);
   bullet.simulate(0.1);
   EXPECT_EQ(body->linearMomentum().norm(), 0.0) << "a spring to nowhere does not pull";
@@ -386,17 +360,16 @@ struct BodyCreator final : btActionInterface {
 };
 
 TEST(Teardown, aBodyMadeAfterTheBeginOfATickMissesNothing) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet;
   int warnings = 0;
-  system.onWarning([&](const std::string&) { ++warnings; });
+  bullet.system.onWarning([&](const std::string&) { ++warnings; });
   BodyCreator creator;
-  creator.system = &system;
+  creator.system = &bullet.system;
   bullet.world->addAction(&creator);
   bullet.tick();
   bullet.tick();
   EXPECT_EQ(warnings, 0);
-  EXPECT_EQ(system.hookState(), HookState::Attached);
+  EXPECT_EQ(bullet.system.hookState(), HookState::Attached);
   bullet.world->removeAction(&creator);
 }
 
@@ -422,19 +395,18 @@ TEST(Teardown, systemsOfSpringsAloneLeaveTheWorldAsItWas) {
 }
 
 TEST(Teardown, ofASurfaceObjectThatTheUserHasAddedAgain) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(test::cubeNetwork());
+  SoftWorld bullet;
+  SoftBody* body = bullet.addSoft(cubeNetwork(), SoftBodySettings());
   btRigidBody* object = body->surfaceObject();
   if (!object) GTEST_SKIP() << "points alone have none";
   bullet.tick();
   bullet.world->removeRigidBody(object);
   bullet.world->addRigidBody(object, 2, -1);
   bullet.tick();
-  EXPECT_TRUE(system.destroyBody(body));
+  EXPECT_TRUE(bullet.system.destroyBody(body));
   bullet.simulate(0.1);  // Bullet must not have it any more
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

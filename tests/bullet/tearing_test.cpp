@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Bodies are cut and tear. Whatever happens, mass, momentum, area and volume stay.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <Eigen/Geometry>
 
@@ -23,12 +16,10 @@
 #include <utility>
 #include <vector>
 
-namespace limber::tearing {
+namespace limber::test::tearing {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::vec;
 
 /// What a cut must not change.
 struct Totals {
@@ -109,44 +100,32 @@ std::size_t piecesOf(const SoftBody& body) {
   return count;
 }
 
-SharedNetwork cloth(std::uint32_t cells = 8) {
-  ClothSettings s;
-  s.columns = s.rows = cells;
-  return *buildCloth(s);
-}
-
-SharedNetwork rope() {
-  RopeSettings s;
-  s.segments = 20;
-  return *buildRope(s);
-}
-
 SharedNetwork braced() {
   NetworkSettings s;
   s.braces = BraceRule::TwoRing;
   return *buildNetwork(small_meshes::cube(3), s);
 }
 
-SharedNetwork filled() {
-  static const SharedNetwork network = [] {
-    MaterialMesh s;
-    s.points = 60;
-    return *buildMaterialNetwork(small_meshes::cube(3), s);
-  }();
-  return network;
-}
+SharedNetwork filled() { return solidNetwork(small_meshes::cube(3), 60); }
 
-struct World {
-  explicit World(const SharedNetwork& network, SoftBodySettings s = test::testedSettings())
-      : bullet(0.0), system(*bullet.world) {
-    auto made = system.createBody(network, s);
-    EXPECT_TRUE(made) << made.error();
-    body = *made;
-  }
-  BulletWorld bullet;
-  SoftBodySystem system;
+/// A world without gravity with one body.
+struct World : SoftWorld {
+  explicit World(const SharedNetwork& network, const SoftBodySettings& s = testedSettings())
+      : SoftWorld(0.0), body(addSoft(network, s)) {}
   SoftBody* body;
 };
+
+/// Saves the body and loads it in another world of this gravity (m/s^2). Both must move alike for `seconds`.
+void expectSameMotionWhenLoaded(World& world, double gravity, double seconds) {
+  SoftWorld other(gravity);
+  const auto loaded = other.system.loadBodies(world.system.saveBodies());
+  ASSERT_TRUE(loaded) << loaded.error();
+  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+  world.simulate(seconds);
+  other.simulate(seconds);
+  EXPECT_EQ((*loaded)[0]->pointCount(), world.body->pointCount());
+  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+}
 
 std::uint32_t cut(SoftBody* body, const btVector3& point, const btVector3& normal) {
   const auto result = body->cut(point, normal);
@@ -156,7 +135,10 @@ std::uint32_t cut(SoftBody* body, const btVector3& point, const btVector3& norma
 
 /// A network and its name, for all kinds.
 const std::vector<std::pair<const char*, SharedNetwork (*)()>> kKinds = {
-    {"cloth", [] { return cloth(); }}, {"rope", rope}, {"braced", braced}, {"filled", filled}};
+    {"cloth", [] { return squareCloth(8); }},
+    {"rope", [] { return ropeNetwork(20); }},
+    {"braced", braced},
+    {"filled", filled}};
 
 }  // namespace
 
@@ -188,13 +170,13 @@ TEST(Cut, twoHalvesOfEveryKindMoveApart) {
       return least;
     };
     const double start = left();
-    world.bullet.simulate(1.0);
+    world.simulate(1.0);
     EXPECT_NEAR(left() - start, 1.0, 0.3) << name;
   }
 }
 
 TEST(Cut, anotherPlaceCutsNothing) {
-  World world(cloth());
+  World world(squareCloth(8));
   const std::uint64_t hash = world.body->stateHash();
   const SharedNetwork network = world.body->sharedNetwork();
   EXPECT_EQ(cut(world.body, vec(5, 0, 0), vec(1, 0, 0)), 0u);
@@ -216,7 +198,7 @@ TEST(Cut, theSamePlaneCutsOnce) {
 }
 
 TEST(Cut, aBladeOpensASlit) {
-  World world(cloth(10));
+  World world(squareCloth(10));
   const Totals before = totalsOf(*world.body);
   // from the border at x = -0.5 to the middle
   const auto made =
@@ -229,17 +211,17 @@ TEST(Cut, aBladeOpensASlit) {
 }
 
 TEST(Cut, pinnedAndAttachedPointsStay) {
-  World world(cloth(4));
+  World world(squareCloth(4));
   for (std::uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(world.body->pin(i));
-  btRigidBody* box = world.bullet.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, -1, 0.5));
+  btRigidBody* box = world.addBox(vec(0.1, 0.1, 0.1), 1.0, vec(0, -1, 0.5));
   ASSERT_TRUE(world.system.attach(world.body, 22, *box));
   const Totals before = totalsOf(*world.body);
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0));
   expectSame(before, *world.body, "pinned");
   for (const Tear& tear : world.body->tears())
     EXPECT_EQ(world.body->pinned(tear.copy), tear.point < 5) << tear.point;
-  world.bullet.world->setGravity(vec(0, -9.81, 0));
-  world.bullet.simulate(1.0);
+  world.world->setGravity(vec(0, -9.81, 0));
+  world.simulate(1.0);
   EXPECT_TRUE(world.body->position(0).allFinite());
   EXPECT_EQ(world.body->restorations(), 0u);
 }
@@ -262,36 +244,36 @@ TEST(Cut, aFilledBodyStaysClosedAndGetsFaces) {
 }
 
 TEST(Cut, aPiercedBalloonLosesItsGas) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.pressure = 50.0;
   World world(braced(), s);
   const Totals before = totalsOf(*world.body);
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0));
   expectSame(before, *world.body, "balloon");
   EXPECT_EQ(world.body->settings().pressure, 0.0);
-  world.bullet.simulate(0.5);
+  world.simulate(0.5);
 }
 
 TEST(Cut, rayTestsFindBothHalves) {
-  if (!test::kSurface) GTEST_SKIP() << "points are found as spheres";
-  World world(cloth());
+  if (!kSurface) GTEST_SKIP() << "points are found as spheres";
+  World world(squareCloth(8));
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0));
   ASSERT_TRUE(world.body->applyImpulse(vec(0, 0.1, 0)));
-  world.bullet.simulate(0.2);
+  world.simulate(0.2);
   for (const double x : {-0.3, 0.3}) {
     const btVector3 from = vec(x, 2, 0.1), to = vec(x, -2, 0.1);
     btCollisionWorld::ClosestRayResultCallback hit(from, to);
-    world.bullet.world->rayTest(from, to, hit);
+    world.world->rayTest(from, to, hit);
     EXPECT_TRUE(hit.hasHit()) << x;
   }
 }
 
 TEST(Cut, withinATickItIsMadeAtItsEnd) {
   BulletWorld bullet(0.0);
-  test::ActionOnce action;
+  ActionOnce action;
   bullet.world->addAction(&action);
   SoftBodySystem system(*bullet.world);
-  SoftBody* body = *system.createBody(cloth(), test::testedSettings());
+  SoftBody* body = *system.createBody(squareCloth(8), testedSettings());
   action.act = [&] { EXPECT_EQ(cut(body, vec(0.01, 0, 0), vec(1, 0, 0)), 0u); };
   const std::uint32_t count = body->pointCount();
   bullet.tick();
@@ -302,21 +284,13 @@ TEST(Cut, withinATickItIsMadeAtItsEnd) {
 }
 
 TEST(Cut, savedBodiesAreTheSame) {
-  World world(cloth());
-  world.bullet.world->setGravity(vec(0, -9.81, 0));
+  World world(squareCloth(8));
+  world.world->setGravity(vec(0, -9.81, 0));
   for (const std::uint32_t i : {0u, 8u}) ASSERT_TRUE(world.body->pin(i));
-  world.bullet.simulate(0.3);
+  world.simulate(0.3);
   cut(world.body, vec(0.01, 0, 0), vec(1, 0, 0.2));
-  world.bullet.simulate(0.2);
-  const auto bytes = world.system.saveBodies();
-  BulletWorld other(-9.81);
-  SoftBodySystem system(*other.world);
-  const auto loaded = system.loadBodies(bytes);
-  ASSERT_TRUE(loaded) << loaded.error();
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
-  world.bullet.simulate(0.3);
-  other.simulate(0.3);
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+  world.simulate(0.2);
+  expectSameMotionWhenLoaded(world, -9.81, 0.3);
 }
 
 TEST(Cut, twoHundredRandomCutsKeepEverything) {
@@ -324,8 +298,8 @@ TEST(Cut, twoHundredRandomCutsKeepEverything) {
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   for (const auto& [name, make] : kKinds) {
     World world(make());
-    world.bullet.world->setGravity(vec(0, -9.81, 0));
-    world.bullet.addPlaneFloor()->getWorldTransform().setOrigin(vec(0, -1, 0));
+    world.world->setGravity(vec(0, -9.81, 0));
+    world.addPlaneFloor()->getWorldTransform().setOrigin(vec(0, -1, 0));
     for (int i = 0; i < 50; ++i) {
       const Totals before = totalsOf(*world.body);
       const btVector3 center = world.body->transform().getOrigin();
@@ -339,8 +313,8 @@ TEST(Cut, twoHundredRandomCutsKeepEverything) {
         EXPECT_TRUE(world.body->cut({place, place + u, place + u + v, place + v}));
       }
       expectSame(before, *world.body, name + std::to_string(i));
-      world.bullet.tick();
-      world.bullet.tick();
+      world.tick();
+      world.tick();
       for (std::uint32_t p = 0; p < world.body->pointCount(); ++p)
         ASSERT_TRUE(world.body->position(p).allFinite()) << name << i;
       ASSERT_EQ(world.body->restorations(), 0u) << name << i;
@@ -354,7 +328,7 @@ TEST(Cut, twoHundredRandomCutsKeepEverything) {
 namespace {
 
 SoftBodySettings tearing(double strain = 0.2) {
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.elasticLimit.breakStrain = strain;
   s.elasticLimit.tear = true;
   return s;
@@ -380,7 +354,7 @@ std::size_t pullApart(World& world, double seconds) {
       EXPECT_TRUE(world.body->movePin(i, vec(to.x(), to.y(), to.z())));
     }
     const std::uint32_t before = world.body->pointCount();
-    world.bullet.tick();
+    world.tick();
     tears += world.body->tears().size();
     EXPECT_EQ(world.body->pointCount() - before, world.body->tears().size());
     for (const Tear& tear : world.body->tears()) EXPECT_TRUE(tear.place.allFinite());
@@ -412,7 +386,7 @@ TEST(Tear, everyKindThatIsPulledApartTearsAndMostEndInPieces) {
 }
 
 TEST(Tear, aRopeTearsOnceAndKeepsItsSegments) {
-  World world(rope(), tearing());
+  World world(ropeNetwork(20), tearing());
   pullApart(world, 1.0);
   std::size_t segments = 0;
   for (const NetworkSpring& s : world.body->network().springs)
@@ -425,19 +399,14 @@ TEST(Tear, aRopeTearsOnceAndKeepsItsSegments) {
 TEST(Tear, aFastBallGoesThroughPaper) {
   constexpr std::uint32_t kCells = 20;
   for (const double tick : {1.0 / 60.0, 1.0 / 480.0}) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    ClothSettings grid;
-    grid.width = grid.depth = 2.0;
-    grid.columns = grid.rows = kCells;
-    SoftBodySettings s = test::testedSettings();
+    SoftWorld bullet(0.0);
+    SoftBodySettings s = testedSettings();
     s.totalMass = 0.5;
-    s.extensionStiffness = s.compressionStiffness = 1000.0;
-    s.damping = 0.1;
+    setSprings(s, 1000.0, 0.1);
     s.pointRadius = 0.01;
     s.elasticLimit.breakStrain = 0.2;
     s.elasticLimit.tear = true;
-    SoftBody* paper = *system.createBody(*buildCloth(grid), s);
+    SoftBody* paper = bullet.addSoft(squareCloth(kCells, 2.0), s);
     const std::uint32_t points = paper->pointCount();
     for (std::uint32_t i = 0; i < points; ++i) {
       const std::uint32_t x = i % (kCells + 1), z = i / (kCells + 1);
@@ -456,31 +425,22 @@ TEST(Tear, nothingTearsBelowTheStrainOrWithoutTheSetting) {
   for (const bool tear : {false, true}) {
     SoftBodySettings s = tearing(5.0);
     s.elasticLimit.tear = tear;
-    World world(cloth(), s);
+    World world(squareCloth(8), s);
     EXPECT_EQ(pullApart(world, 0.3), 0u);
   }
 }
 
 TEST(Tear, aSavedTornBodyGoesOnTheSame) {
-  World world(cloth(), tearing());
+  World world(squareCloth(8), tearing());
   pullApart(world, 0.6);
   ASSERT_GT(world.body->pointCount(), 81u);
-  const auto bytes = world.system.saveBodies();
-  BulletWorld other(0.0);
-  SoftBodySystem system(*other.world);
-  const auto loaded = system.loadBodies(bytes);
-  ASSERT_TRUE(loaded) << loaded.error();
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
-  world.bullet.simulate(0.5);
-  other.simulate(0.5);
-  EXPECT_EQ((*loaded)[0]->pointCount(), world.body->pointCount());
-  EXPECT_EQ((*loaded)[0]->stateHash(), world.body->stateHash());
+  expectSameMotionWhenLoaded(world, 0.0, 0.5);
 }
 
 TEST(Tear, equalRunsTearEqually) {
   std::vector<std::uint64_t> hashes;
   for (int run = 0; run < 2; ++run) {
-    World world(cloth(), tearing());
+    World world(squareCloth(8), tearing());
     pullApart(world, 0.8);
     hashes.push_back(world.body->stateHash());
   }
@@ -502,23 +462,23 @@ void onTwoThreads(std::size_t count, const std::function<void(std::size_t)>& tas
 
 /// Bodies of all kinds collide with each other, themselves, a ball and a floor while they are cut and tear.
 std::uint64_t hashOfCrowd(bool threads) {
-  BulletWorld bullet(-9.81);
+  SoftWorld bullet(-9.81);
   bullet.addPlaneFloor();
-  SoftBodySystem system(*bullet.world);
   Listener listener;
-  system.setContactListener(&listener);
-  if (threads) system.setParallelFor(onTwoThreads, 0);
+  bullet.system.setContactListener(&listener);
+  if (threads) bullet.system.setParallelFor(onTwoThreads, 0);
   std::vector<SoftBody*> bodies;
   for (const auto& [name, make] : kKinds) {
     SoftBodySettings s = tearing(0.15);
-    s.selfCollision = test::kSurface;
+    s.selfCollision = kSurface;
     s.pointRadius = 0.01;
     s.position = Vector3d(0.1 * double(bodies.size()), 0.6 + 0.7 * double(bodies.size()), 0.05);
-    bodies.push_back(*system.createBody(make(), s));
+    bodies.push_back(bullet.addSoft(make(), s));
   }
   bullet.addBox(vec(0.2, 0.2, 0.2), 20.0, vec(0.1, 5, 0));
   btRigidBody* weight = bullet.addBox(vec(0.05, 0.05, 0.05), 1.0, vec(1.5, 3, 0));
-  EXPECT_TRUE(system.addSpring({weight, btVector3(0, 0, 0)}, {bodies[0]->point(3), btVector3(0, 0, 0)}));
+  EXPECT_TRUE(
+      bullet.system.addSpring({weight, btVector3(0, 0, 0)}, {bodies[0]->point(3), btVector3(0, 0, 0)}));
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   std::uint64_t hash = 0;
@@ -540,4 +500,4 @@ std::uint64_t hashOfCrowd(bool threads) {
 
 TEST(Tear, aCrowdIsTheSameOnThreads) { EXPECT_EQ(hashOfCrowd(false), hashOfCrowd(true)); }
 
-}  // namespace limber::tearing
+}  // namespace limber::test::tearing

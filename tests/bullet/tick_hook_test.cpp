@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // The plugin shares Bullet's only pre-tick callback with the application.
-#include "support/bullet_world.h"
-#include "support/networks.h"
-
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <stdexcept>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
 
 int preTicks = 0, postTicks = 0;
 void countPreTick(btDynamicsWorld* world, btScalar) {
@@ -32,7 +25,7 @@ struct TickHookTest : testing::Test {
 SoftBody* hangingPair(SoftBodySystem& system) {
   SoftBodySettings s;
   s.collisionMask = 0;
-  SoftBody* body = *system.createBody(test::pairNetwork(), s);
+  SoftBody* body = *system.createBody(pairNetwork(), s);
   body->pin(0);
   return body;
 }
@@ -196,4 +189,4 @@ TEST_F(TickHookTest, whoOwnsTheSlotStepsByHand) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

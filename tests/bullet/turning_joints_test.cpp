@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Joints between rigid bodies to which a soft body is attached keep momentum and energy while they turn.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/tested_way.h"
-
-#include <limber/limber.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <algorithm>
 #include <functional>
@@ -14,12 +8,10 @@
 #include <string>
 #include <vector>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::vec;
 
 using Make = std::function<btTypedConstraint*(btRigidBody&, btRigidBody&)>;
 
@@ -80,11 +72,9 @@ RopeSettings ropeOf(std::uint32_t segments) {
 
 /// Settings of a stiff rope that begins at x and touches nothing.
 SoftBodySettings undamped(double mass, double x) {
-  SoftBodySettings s = test::testedSettings();
-  s.extensionStiffness = s.compressionStiffness = 2e4;
-  s.damping = 0.0;
+  SoftBodySettings s = settingsAt({x, 0.1, 0.0});
+  setSprings(s, 2e4, 0.0);
   s.totalMass = mass;
-  s.position = {x, 0.1, 0.0};
   s.collisionMask = 0;
   return s;
 }
@@ -113,12 +103,12 @@ struct SpinningPair {
 
   Vector3d angularMomentum() const {
     Vector3d sum = soft->angularMomentum();
-    for (const btRigidBody* body : bodies) sum += test::angularMomentumOf(*body);
+    for (const btRigidBody* body : bodies) sum += angularMomentumOf(*body);
     return sum;
   }
   double energy() const {
-    double sum = test::energyOf(*soft);
-    for (const btRigidBody* body : bodies) sum += test::kineticEnergyOf(*body);
+    double sum = energyOf(*soft);
+    for (const btRigidBody* body : bodies) sum += kineticEnergyOf(*body);
     return sum;
   }
   double gap() const {
@@ -156,21 +146,20 @@ TEST(TurningJoints, keepMomentumAndEnergy) {
 
 /// An arm of two links that swings on a shoulder, with a rope along it.
 TEST(TurningJoints, letALimbSwing) {
-  BulletWorld bullet(-10.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(-10.0);
   std::vector<btRigidBody*> links;
   for (const double x : {0.2, 0.6}) links.push_back(bullet.addBox(vec(0.15, 0.05, 0.05), 2.0, vec(x, 0, 0)));
   btPoint2PointConstraint shoulder(*links[0], vec(-0.2, 0, 0));
   btPoint2PointConstraint elbow(*links[0], *links[1], vec(0.2, 0, 0), vec(-0.2, 0, 0));
   bullet.world->addConstraint(&shoulder, true);
   bullet.world->addConstraint(&elbow, true);
-  SoftBody* soft = *system.createBody(*buildRope(ropeOf(4)), undamped(0.2, 0.2));
-  ASSERT_TRUE(system.attach(soft, 0, *links[0]));
-  ASSERT_TRUE(system.attach(soft, 4, *links[1]));
+  SoftBody* soft = bullet.addSoft(*buildRope(ropeOf(4)), undamped(0.2, 0.2));
+  ASSERT_TRUE(bullet.system.attach(soft, 0, *links[0]));
+  ASSERT_TRUE(bullet.system.attach(soft, 4, *links[1]));
   for (btRigidBody* link : links) link->setActivationState(DISABLE_DEACTIVATION);
   const auto energy = [&] {
-    double sum = test::energyOf(*soft, 10.0);
-    for (const btRigidBody* link : links) sum += test::energyOf(*link, 10.0);
+    double sum = energyOf(*soft, 10.0);
+    for (const btRigidBody* link : links) sum += energyOf(*link, 10.0);
     return sum;
   };
   const double before = energy();
@@ -187,4 +176,4 @@ TEST(TurningJoints, letALimbSwing) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // Changes of bodies and world by the application between ticks take effect. The world's substeps and time
 // steps do not change the results.
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
+#include "support/soft_world.h"
 
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
-
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::kTick;
-
-struct Sim {
-  explicit Sim(double gravity = -9.81, SoftBodySettings s = test::testedSettings())
-      : bullet(gravity), system(*bullet.world) {
-    body = *system.createBody(test::cubeNetwork(), s);
-  }
-  BulletWorld bullet;
-  SoftBodySystem system;
+struct Sim : SoftWorld {
+  explicit Sim(double gravity = -9.81, const SoftBodySettings& s = testedSettings())
+      : SoftWorld(gravity), body(addSoft(cubeNetwork(), s)) {}
   SoftBody* body;
 };
 
@@ -32,9 +18,9 @@ TEST(WorldSubsteps, oneStepOfTwoSubstepsEqualsTwoStepsOfOne) {
   two.body->point(0)->applyCentralImpulse(btVector3(1, 0, 0));
   const btScalar tick = btScalar(kTick);
   for (int i = 0; i < 30; ++i) {
-    one.bullet.world->stepSimulation(2 * tick, 2, tick);
-    two.bullet.world->stepSimulation(tick, 1, tick);
-    two.bullet.world->stepSimulation(tick, 1, tick);
+    one.world->stepSimulation(2 * tick, 2, tick);
+    two.world->stepSimulation(tick, 1, tick);
+    two.world->stepSimulation(tick, 1, tick);
     ASSERT_EQ(one.body->stateHash(), two.body->stateHash()) << "frame " << i;
   }
 }
@@ -45,7 +31,7 @@ TEST(WorldSubsteps, aForceActsOverTheWholeStepWhateverItsSubsteps) {
     const btScalar tick = btScalar(kTick / substeps);
     for (std::uint32_t i = 0; i < 8; ++i)
       sim.body->point(i)->applyCentralForce(btVector3(btScalar(0.3), 0, 0));
-    sim.bullet.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), substeps, tick);
+    sim.world->stepSimulation(btScalar(kTick) * btScalar(1.0001), substeps, tick);
     EXPECT_NEAR(sim.body->linearMomentum().x(), 8 * 0.3 * kTick, 1e-6) << substeps;
   }
 }
@@ -55,7 +41,7 @@ TEST(WorldSubsteps, variableTimeStepsFallTheSame) {
   double time = 0;
   for (int i = 0; i < 120; ++i) {
     const double dt = 0.004 + 0.00021 * (i % 37);
-    sim.bullet.tick(dt);
+    sim.tick(dt);
     time += double(btScalar(dt));
   }
   const double exact = -0.5 * double(btScalar(9.81)) * time * time;
@@ -65,9 +51,9 @@ TEST(WorldSubsteps, variableTimeStepsFallTheSame) {
 TEST(WorldSubsteps, aStepWithoutATickLosesNothing) {
   Sim sim;
   const auto before = sim.body->stateHash();
-  sim.bullet.world->stepSimulation(btScalar(0.001), 1, btScalar(kTick));
+  sim.world->stepSimulation(btScalar(0.001), 1, btScalar(kTick));
   EXPECT_EQ(sim.body->stateHash(), before);
-  sim.bullet.world->stepSimulation(btScalar(0), 0);
+  sim.world->stepSimulation(btScalar(0), 0);
   EXPECT_EQ(sim.body->stateHash(), before);
 }
 
@@ -75,42 +61,42 @@ TEST(UserChanges, impulseOnOnePoint) {
   Sim sim(0.0);
   sim.body->point(5)->applyCentralImpulse(btVector3(0, btScalar(0.5), 0));
   EXPECT_NEAR(sim.body->velocity(5).y(), 0.5 / 0.125, 1e-6) << "seen at once";
-  sim.bullet.simulate(0.5);
+  sim.simulate(0.5);
   EXPECT_NEAR(sim.body->linearMomentum().y(), 0.5, 1e-6);
 }
 
 TEST(UserChanges, velocityIsSet) {
   Sim sim(0.0);
-  sim.bullet.tick();
+  sim.tick();
   for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->setLinearVelocity(btVector3(2, 0, 0));
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   EXPECT_NEAR(sim.body->linearMomentum().x(), 2.0, 1e-6);
   EXPECT_NEAR(sim.body->centerOfMass().x(), 2.0, 1e-5);
 }
 
 TEST(UserChanges, teleportMovesTheBodyWithoutAKick) {
   Sim sim(0.0);
-  sim.bullet.simulate(0.1);
+  sim.simulate(0.1);
   for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->translate(btVector3(100, -3, 7));
-  sim.bullet.simulate(0.5);
+  sim.simulate(0.5);
   EXPECT_LT((sim.body->centerOfMass() - Eigen::Vector3d(100, -3, 7)).norm(), 1e-5);
   EXPECT_LT(sim.body->linearMomentum().norm(), 1e-4) << "floats at 100 m are 8e-6 m apart: springs feel that";
 }
 
 TEST(UserChanges, onePointIsPulledAwayAndComesBack) {
   Sim sim(0.0);
-  sim.body->point(7)->translate(test::vec(0.2, 0.1, 0));
+  sim.body->point(7)->translate(vec(0.2, 0.1, 0));
   EXPECT_GT(sim.body->elasticEnergy(), 1.0);
-  sim.bullet.simulate(20.0);
+  sim.simulate(20.0);
   EXPECT_LT(sim.body->elasticEnergy(), 1e-6);
 }
 
 TEST(UserChanges, gravityIsChangedWhileRunning) {
   Sim sim;
-  sim.bullet.simulate(0.5);
+  sim.simulate(0.5);
   const Eigen::Vector3d v = sim.body->linearMomentum();
-  sim.bullet.world->setGravity(btVector3(3, 0, 0));
-  sim.bullet.simulate(1.0);
+  sim.world->setGravity(btVector3(3, 0, 0));
+  sim.simulate(1.0);
   EXPECT_NEAR(sim.body->linearMomentum().x() - v.x(), 3.0, 1e-5);
   EXPECT_NEAR(sim.body->linearMomentum().y(), v.y(), 1e-5);
 }
@@ -121,23 +107,23 @@ TEST(UserChanges, gravityOfOnePointIsItsOwn) {
     sim.body->point(i)->setFlags(sim.body->point(i)->getFlags() | BT_DISABLE_WORLD_GRAVITY);
     sim.body->point(i)->setGravity(btVector3(0, 0, 0));
   }
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   EXPECT_LT(sim.body->centerOfMass().norm(), 1e-6);
 }
 
 TEST(UserChanges, linearFactorKeepsAPointInItsPlane) {
   Sim sim;
   for (std::uint32_t i = 0; i < 8; ++i) sim.body->point(i)->setLinearFactor(btVector3(1, 1, 0));
-  sim.body->point(0)->applyCentralImpulse(test::vec(0.3, 0, 0));
+  sim.body->point(0)->applyCentralImpulse(vec(0.3, 0, 0));
   const double z = sim.body->position(0).z();
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   for (std::uint32_t i = 0; i < 8; ++i) EXPECT_NEAR(std::abs(sim.body->position(i).z()), std::abs(z), 1e-12);
 }
 
 TEST(UserChanges, massOfAPointIsChanged) {
   Sim sim(0.0);
   sim.body->point(0)->setMassProps(btScalar(1.0), btVector3(0, 0, 0));
-  sim.bullet.tick();
+  sim.tick();
   EXPECT_NEAR(sim.body->totalMass(), 7 * 0.125 + 1.0, 1e-6);
 }
 
@@ -147,7 +133,7 @@ TEST(UserChanges, bulletsLinearDampingActs) {
     sim.body->point(i)->setDamping(btScalar(0.5), 0);
     sim.body->point(i)->setLinearVelocity(btVector3(1, 0, 0));
   }
-  sim.bullet.simulate(1.0);
+  sim.simulate(1.0);
   EXPECT_NEAR(sim.body->linearMomentum().x(), 0.5, 1e-3) << "v(t) = v (1 - d)^t";
 }
 
@@ -160,34 +146,34 @@ TEST(UserChanges, userPointersAndIndicesAreTheUsers) {
   int mine = 0;
   sim.body->point(3)->setUserPointer(&mine);
   sim.body->point(3)->setUserIndex(42);
-  sim.bullet.simulate(0.1);
+  sim.simulate(0.1);
   EXPECT_EQ(sim.body->point(3)->getUserPointer(), &mine);
   EXPECT_EQ(sim.body->point(3)->getUserIndex(), 42);
 }
 
 TEST(UserChanges, aRayFindsThePointAndThePointItsBody) {
-  if (test::kSurface) GTEST_SKIP() << "a ray finds the surface, see surface_query_test";
-  SoftBodySettings s = test::testedSettings();
+  if (kSurface) GTEST_SKIP() << "a ray finds the surface, see surface_query_test";
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.05;
   Sim sim(0.0, s);
-  sim.bullet.tick();
+  sim.tick();
   const btVector3 target = sim.body->point(6)->getWorldTransform().getOrigin();
   btCollisionWorld::ClosestRayResultCallback ray(target + btVector3(0, 5, 0), target);
-  sim.bullet.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
+  sim.world->rayTest(ray.m_rayFromWorld, ray.m_rayToWorld, ray);
   ASSERT_TRUE(ray.hasHit());
   const PointReference found = findPoint(ray.m_collisionObject);
   EXPECT_EQ(found.body, sim.body);
   EXPECT_EQ(found.index, 6u);
   EXPECT_EQ(findPoint(nullptr).body, nullptr);
-  btRigidBody* box = sim.bullet.addBox(btVector3(1, 1, 1), 1, btVector3(9, 9, 9));
+  btRigidBody* box = sim.addBox(btVector3(1, 1, 1), 1, btVector3(9, 9, 9));
   EXPECT_EQ(findPoint(box).body, nullptr);
 }
 
 TEST(UserChanges, pointsDoNotSpin) {
   Sim sim;
-  sim.bullet.addBoxFloor();
+  sim.addBoxFloor();
   sim.body->point(0)->applyTorqueImpulse(btVector3(5, 5, 5));
-  sim.bullet.simulate(2.0);
+  sim.simulate(2.0);
   for (std::uint32_t i = 0; i < 8; ++i) {
     EXPECT_EQ(sim.body->point(i)->getAngularVelocity(), btVector3(0, 0, 0));
     EXPECT_EQ(sim.body->point(i)->getWorldTransform().getBasis(), btMatrix3x3::getIdentity());
@@ -195,21 +181,21 @@ TEST(UserChanges, pointsDoNotSpin) {
 }
 
 TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
-  if (test::kSurface) GTEST_SKIP() << "Bullet's constraints hold bodies of the world only";
+  if (kSurface) GTEST_SKIP() << "Bullet's constraints hold bodies of the world only";
   // The picker adds a point-to-point constraint, which disables collisions with its anchor and keeps the
   // point awake. It later removes both. Afterwards points of one body must still not collide.
-  SoftBodySettings s = test::testedSettings();
+  SoftBodySettings s = testedSettings();
   s.pointRadius = 0.4;
   Sim sim(0.0, s);
   btRigidBody* point = sim.body->point(0);
-  btRigidBody* anchor = sim.bullet.addBox(btVector3(1, 1, 1), 0, btVector3(5, 0, 0));
+  btRigidBody* anchor = sim.addBox(btVector3(1, 1, 1), 0, btVector3(5, 0, 0));
   btPoint2PointConstraint pick(*point, *anchor, btVector3(0, 0, 0), btVector3(-6, 0, 0));
-  sim.bullet.world->addConstraint(&pick, true);
+  sim.world->addConstraint(&pick, true);
   point->setActivationState(DISABLE_DEACTIVATION);
-  sim.bullet.simulate(1.0);
-  sim.bullet.world->removeConstraint(&pick);
+  sim.simulate(1.0);
+  sim.world->removeConstraint(&pick);
   point->forceActivationState(ACTIVE_TAG);
-  sim.bullet.simulate(15.0);
+  sim.simulate(15.0);
   EXPECT_LT(sim.body->elasticEnergy(), 1e-6) << "overlapping points of one body would push each other apart";
 }
 
@@ -217,13 +203,13 @@ TEST(UserChanges, aMousePickersConstraintComesAndGoes) {
 TEST(UserChanges, anActionsImpulseOnAPointCounts) {
   for (const bool early : {true, false}) {
     BulletWorld bullet(0);
-    test::ActionOnce push;
+    ActionOnce push;
     if (early) bullet.world->addAction(&push);
     {
       SoftBodySystem system(*bullet.world);
-      SoftBody* body = *system.createBody(test::cubeNetwork(), test::testedSettings());
+      SoftBody* body = *system.createBody(cubeNetwork(), testedSettings());
       if (!early) bullet.world->addAction(&push);
-      push.act = [&] { body->point(0)->applyCentralImpulse(test::vec(1, 0, 0)); };
+      push.act = [&] { body->point(0)->applyCentralImpulse(vec(1, 0, 0)); };
       bullet.tick();
       bullet.tick();
       EXPECT_NEAR(body->linearMomentum().x(), 1.0, 1e-6) << early;
@@ -235,13 +221,13 @@ TEST(UserChanges, anActionsImpulseOnAPointCounts) {
 /// A cube that flies at 0.3 m/s, and that an early action changes once.
 struct ChangedCube {
   BulletWorld bullet{0};
-  test::ActionOnce action;
+  ActionOnce action;
   SoftBodySystem system{(bullet.world->addAction(&action), *bullet.world)};
   SoftBody* body;
 
-  explicit ChangedCube(SoftBodySettings s = test::testedSettings()) {
+  explicit ChangedCube(SoftBodySettings s = testedSettings()) {
     s.linearVelocity = {0.3, 0, 0};
-    body = *system.createBody(test::closedCubeNetwork(), s);
+    body = *system.createBody(closedCubeNetwork(), s);
     bullet.tick();
   }
   ~ChangedCube() { bullet.world->removeAction(&action); }
@@ -257,14 +243,14 @@ struct ChangedCube {
 TEST(UserChanges, earlyActionsPushABodyOnce) {
   ChangedCube pushed, thrown, turned;
   const Eigen::Vector3d start = pushed.body->linearMomentum();
-  pushed.change([](SoftBody& body) { return body.applyImpulse(test::vec(0, 1, 0)); });
+  pushed.change([](SoftBody& body) { return body.applyImpulse(vec(0, 1, 0)); });
   EXPECT_NEAR((pushed.body->linearMomentum() - start - Eigen::Vector3d(0, 1, 0)).norm(), 0.0, 1e-5);
 
-  thrown.change([](SoftBody& body) { return body.setVelocity(test::vec(0, 1, 0)); });
+  thrown.change([](SoftBody& body) { return body.setVelocity(vec(0, 1, 0)); });
   const Eigen::Vector3d velocity = thrown.body->linearMomentum() * (0.3 / start.x());
   EXPECT_NEAR((velocity - Eigen::Vector3d(0, 1, 0)).norm(), 0.0, 1e-5);
 
-  turned.change([](SoftBody& body) { return body.applyTorqueImpulse(test::vec(0, 0.1, 0)); });
+  turned.change([](SoftBody& body) { return body.applyTorqueImpulse(vec(0, 0.1, 0)); });
   const Eigen::Vector3d spin =
       turned.body->angularMomentum() - turned.body->centerOfMass().cross(turned.body->linearMomentum());
   EXPECT_NEAR((spin - Eigen::Vector3d(0, 0.1, 0)).norm(), 0.0, 1e-5);
@@ -272,9 +258,8 @@ TEST(UserChanges, earlyActionsPushABodyOnce) {
 
 TEST(UserChanges, earlyActionsPlaceABodyAtRest) {
   ChangedCube cube;
-  cube.change([](SoftBody& body) {
-    return body.reset(btTransform(btQuaternion::getIdentity(), test::vec(0, 5, 0)));
-  });
+  cube.change(
+      [](SoftBody& body) { return body.reset(btTransform(btQuaternion::getIdentity(), vec(0, 5, 0))); });
   EXPECT_NEAR((cube.body->centerOfMass() - Eigen::Vector3d(0, 5, 0)).norm(), 0.0, 1e-6);
   EXPECT_NEAR(cube.body->kineticEnergy(), 0.0, 1e-10);
 }
@@ -282,9 +267,9 @@ TEST(UserChanges, earlyActionsPlaceABodyAtRest) {
 /// A body that grows into the floor is pushed out no faster than its settings let it recover.
 TEST(UserChanges, earlyActionsEnlargeABodyOnTheFloorWithoutThrowingIt) {
   ChangedCube cube;
-  cube.bullet.world->setGravity(test::vec(0, -9.81, 0));
+  cube.bullet.world->setGravity(vec(0, -9.81, 0));
   cube.bullet.addBoxFloor();
-  ASSERT_TRUE(cube.body->reset(btTransform(btQuaternion::getIdentity(), test::vec(0, 0.55, 0))));
+  ASSERT_TRUE(cube.body->reset(btTransform(btQuaternion::getIdentity(), vec(0, 0.55, 0))));
   for (int i = 0; i < 60; ++i) cube.bullet.tick();
   cube.change([](SoftBody& body) {
     SoftBodySettings larger = body.settings();
@@ -300,18 +285,16 @@ TEST(UserChanges, earlyActionsEnlargeABodyOnTheFloorWithoutThrowingIt) {
 
 /// Reading must not change what a rotation of the whole body does to its motion: the body keeps its momentum.
 TEST(UserChanges, readingARotatedBodyChangesNothing) {
-  if (!test::kSurface) GTEST_SKIP() << "point masses of the world have no common object";
+  if (!kSurface) GTEST_SKIP() << "point masses of the world have no common object";
   for (const bool look : {false, true}) {
-    BulletWorld bullet(0);
-    SoftBodySystem system(*bullet.world);
-    SoftBody* body = *system.createBody(test::closedCubeNetwork(), test::testedSettings());
+    SoftWorld bullet(0);
+    SoftBody* body = bullet.addSoft(closedCubeNetwork());
     body->point(0);
     bullet.tick();
-    for (std::uint32_t i = 0; i < body->pointCount(); ++i)
-      body->point(i)->setLinearVelocity(test::vec(5, 0, 0));
+    for (std::uint32_t i = 0; i < body->pointCount(); ++i) body->point(i)->setLinearVelocity(vec(5, 0, 0));
     btRigidBody& object = *body->surfaceObject();
     btTransform pose = object.getWorldTransform();
-    pose.setRotation(btQuaternion(test::vec(0, 1, 0), SIMD_HALF_PI));
+    pose.setRotation(btQuaternion(vec(0, 1, 0), SIMD_HALF_PI));
     object.setWorldTransform(pose);
     if (look) body->position(0);
     bullet.tick();
@@ -329,4 +312,4 @@ TEST(UserChanges, theBodiesDrawFlagAndMotionStatesStayOut) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,53 +1,35 @@
 // SPDX-License-Identifier: Zlib
 // Closed bodies in a world keep their volume; pressure inflates them.
-#include "support/bullet_world.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
-#include "support/tested_way.h"
-
-#include <limber/network_builder.h>
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
+#include "support/soft_world.h"
 
 #include <random>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-
-/// Returns the signed volume, m^3.
-double volumeOf(const SoftBody& body) {
-  double six = 0.0;
-  for (const Triangle& t : body.network().surface)
-    six += body.position(t[0]).dot(body.position(t[1]).cross(body.position(t[2])));
-  return six / 6.0;
-}
-
 TEST(Volume, isRefusedWhereThereIsNoneAndNothingIsLeftBehind) {
-  BulletWorld bullet;
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
+  SoftWorld bullet;
+  SoftBodySettings s = testedSettings();
   s.pressure = 1.0;
-  EXPECT_EQ(system.createBody(*buildCloth(), s).error(), "pressure: a rope or cloth encloses no volume");
+  EXPECT_EQ(bullet.system.createBody(*buildCloth(), s).error(),
+            "pressure: a rope or cloth encloses no volume");
   EXPECT_EQ(bullet.world->getNumCollisionObjects(), 0);
   s.pressure = -1.0;
-  EXPECT_EQ(system.createBody(test::closedCubeNetwork(), s).error(),
+  EXPECT_EQ(bullet.system.createBody(closedCubeNetwork(), s).error(),
             "settings: pressure is -1, must be from 0 to 1e12");
 }
 
 TEST(Volume, bringsAnInvertedBodyBack) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  SoftWorld bullet(0.0);
   for (const bool withVolume : {true, false}) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     if (!withVolume) s.volumeModulus = 0.0;
     s.position = {withVolume ? 0.0 : 5.0, 0, 0};
-    SoftBody* body = *system.createBody(test::closedCubeNetwork(), s);
+    SoftBody* body = bullet.addSoft(closedCubeNetwork(), s);
     for (std::uint32_t i = 0; i < 8; ++i) {
       const Eigen::Vector3d x = s.position - body->network().restPoints[i];
-      body->point(i)->getWorldTransform().setOrigin(test::vec(x.x() + 1e-3 * i, x.y(), x.z()));
+      body->point(i)->getWorldTransform().setOrigin(vec(x.x() + 1e-3 * i, x.y(), x.z()));
     }
     bullet.simulate(10.0);
     EXPECT_NEAR(volumeOf(*body), withVolume ? 1.0 : -1.0, 1e-4)
@@ -57,24 +39,22 @@ TEST(Volume, bringsAnInvertedBodyBack) {
 
 /// Returns the hashes of falling bodies, rotated and mirrored, which share one network or have one each.
 std::vector<std::uint64_t> hashes(bool shared) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
-  const SharedNetwork cube = test::closedCubeNetwork();
+  const SharedNetwork cube = closedCubeNetwork();
   for (int i = 0; i < 12; ++i) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {2.0 * i, 1.5, 0};
+    SoftBodySettings s = settingsAt({2.0 * i, 1.5, 0});
     s.scale = {i % 3 == 1 ? -1.0 : 1.0, 1.0 + 0.1 * i, 1.0};
     s.pressure = 5.0 * i;
     s.ambientPressure = i % 4 == 3 ? 100.0 : 0.0;
     s.angularVelocity = {1, 2, 3};
-    (void)*system.createBody(shared ? cube : test::closedCubeNetwork(), s);
+    (void)bullet.addSoft(shared ? cube : closedCubeNetwork(), s);
   }
   bullet.simulate(2.0);
   std::vector<std::uint64_t> all;
-  for (std::size_t i = 0; i < system.bodyCount(); ++i) {
-    all.push_back(system.body(i)->stateHash());
-    EXPECT_GT(std::abs(volumeOf(*system.body(i))), 0.8);
+  for (std::size_t i = 0; i < bullet.system.bodyCount(); ++i) {
+    all.push_back(bullet.system.body(i)->stateHash());
+    EXPECT_GT(std::abs(volumeOf(*bullet.system.body(i))), 0.8);
   }
   return all;
 }
@@ -85,7 +65,7 @@ TEST(Volume, isTheSameToTheBitForBodiesSteppedTogether) { EXPECT_EQ(hashes(true)
 /// (m/s).
 struct UndampedFlight {
   UndampedFlight(const SharedNetwork& network, std::size_t count, double speed, int minSubsteps) {
-    SoftBodySettings s = test::testedSettings();
+    SoftBodySettings s = testedSettings();
     s.damping = 0.0;
     s.stepping.minSubsteps = minSubsteps;
     std::mt19937 random(7);
@@ -94,7 +74,7 @@ struct UndampedFlight {
       s.position.x() = 1000.0 * static_cast<double>(b);
       SoftBody* body = *system.createBody(network, s);
       for (std::uint32_t i = 0; i < body->pointCount(); ++i) {
-        body->point(i)->setLinearVelocity(test::vec(component(random), component(random), component(random)));
+        body->point(i)->setLinearVelocity(vec(component(random), component(random), component(random)));
         body->point(i)->setActivationState(DISABLE_DEACTIVATION);
       }
     }
@@ -108,7 +88,7 @@ struct UndampedFlight {
 };
 
 TEST(Volume, undampedFlightKeepsItsEnergy) {
-  for (const SharedNetwork& network : {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
+  for (const SharedNetwork& network : {closedCubeNetwork(), bracedNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u})  // alone, and side by side in SIMD lanes
       for (const double speed : {0.8, 2.0, 8.0})
         for (const int minSubsteps : {5, 60}) {
@@ -137,7 +117,7 @@ TEST(Volume, undampedFlightKeepsItsEnergy) {
 }
 
 TEST(Volume, undampedFlightIsReversible) {
-  for (const SharedNetwork& network : {test::closedCubeNetwork(), *buildNetwork(small_meshes::icosphere(1))})
+  for (const SharedNetwork& network : {closedCubeNetwork(), bracedNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u}) {
       UndampedFlight flight(network, bodies, 2.0, 5);
       const SoftBody& body = *flight.system.body(0);
@@ -158,21 +138,18 @@ TEST(Volume, undampedFlightIsReversible) {
 }
 
 TEST(Volume, isKeptByABallThatIsPressedFlat) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.addBoxFloor();
-  SoftBodySystem system(*bullet.world);
   double heights[2], volumes[2];
   for (const int gas : {0, 1}) {
     NetworkSettings network;
     network.braces = BraceRule::None;
     network.braceWeight = 1.0;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {5.0 * gas, 1.0, 0};
-    s.extensionStiffness = s.compressionStiffness = 10.0;
-    s.damping = 1.0;
+    SoftBodySettings s = settingsAt({5.0 * gas, 1.0, 0});
+    setSprings(s, 10.0, 1.0);
     s.volumeModulus = 0.0;
     s.pressure = gas ? 20.0 : 0.0;
-    SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(1), network), s);
+    SoftBody* ball = bullet.addSoft(*buildNetwork(small_meshes::icosphere(1), network), s);
     bullet.simulate(8.0);
     heights[gas] = ball->centerOfMass().y(), volumes[gas] = volumeOf(*ball);
   }
@@ -185,21 +162,18 @@ TEST(Volume, isKeptByABallThatIsPressedFlat) {
 /// take, which is less than a thousandth at sea level.
 TEST(Volume, ofABallFilledWithAirFollowsBoylesLaw) {
   for (const int maxSubsteps : {0, 12}) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     NetworkSettings network;
     network.braces = BraceRule::None;
     network.braceWeight = 1.0;
-    SoftBodySettings s = test::testedSettings();
-    s.position = {0, 1.2, 0};
-    s.extensionStiffness = s.compressionStiffness = 50.0;
-    s.damping = 1.0;
+    SoftBodySettings s = settingsAt({0, 1.2, 0});
+    setSprings(s, 50.0, 1.0);
     s.volumeModulus = 0.0;
     s.pressure = 5000.0;
     s.ambientPressure = 101325.0;
     s.stepping.maxSubsteps = maxSubsteps;
-    SoftBody* ball = *system.createBody(*buildNetwork(small_meshes::icosphere(2), network), s);
+    SoftBody* ball = bullet.addSoft(*buildNetwork(small_meshes::icosphere(2), network), s);
     const double rest = volumeOf(*ball);
     bullet.simulate(4.0);
     EXPECT_NEAR(volumeOf(*ball) / rest, 1.0 + 5000.0 / 101325.0, 1e-3) << ball->softening();
@@ -237,17 +211,14 @@ double swellingOf(SoftBody& body, BulletWorld& bullet) {
 }
 
 TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
-  MaterialMesh mesh;
-  mesh.points = 150;
-  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  const SharedNetwork block = solidNetwork(small_meshes::cube(), 150);
   double swelling[3];
   const double ratios[] = {0.25, 0.35, 0.45};
   for (int i = 0; i < 3; ++i) {
-    BulletWorld bullet(0.0);
-    SoftBodySystem system(*bullet.world);
-    SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, test::testedSettings());
+    SoftWorld bullet(0.0);
+    SoftBodySettings s = *withMaterial(*block, {1e5, ratios[i], 1000.0}, testedSettings());
     s.damping = 30.0;
-    swelling[i] = swellingOf(**system.createBody(block, s), bullet);
+    swelling[i] = swellingOf(*bullet.addSoft(block, s), bullet);
     // the requested ratio is a mean over all directions of a lattice that is not quite isotropic
     EXPECT_NEAR(swelling[i], ratios[i], 0.06);
   }
@@ -256,20 +227,16 @@ TEST(Volume, givesABodyOfAMaterialItsPoissonRatio) {
 }
 
 TEST(Volume, ofTetrahedraCountsAsElasticEnergy) {
-  MaterialMesh mesh;
-  mesh.points = 40;
-  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
+  const SharedNetwork block = solidNetwork(small_meshes::cube(), 40);
+  SoftWorld bullet(0.0);
   double energies[2];
   for (const int i : {0, 1}) {
-    SoftBodySettings s = test::testedSettings();
-    s.position = {3.0 * i, 0, 0};
+    SoftBodySettings s = settingsAt({3.0 * i, 0, 0});
     s.volumeModulus = i * 1e6;
-    SoftBody* body = *system.createBody(block, s);
+    SoftBody* body = bullet.addSoft(block, s);
     for (std::uint32_t p = 0; p < body->pointCount(); ++p) {
       const Eigen::Vector3d x = s.position + 0.9 * block->restPoints[p];
-      body->point(p)->getWorldTransform().setOrigin(test::vec(x.x(), x.y(), x.z()));
+      body->point(p)->getWorldTransform().setOrigin(vec(x.x(), x.y(), x.z()));
     }
     energies[i] = body->elasticEnergy();
   }
@@ -281,23 +248,23 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
   MaterialMesh mesh;
   mesh.points = 40;
   const auto hash = [&](bool together) {
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.addBoxFloor();
-    SoftBodySystem system(*bullet.world);
     const SharedNetwork shared = *buildMaterialNetwork(small_meshes::cube(), mesh);
     std::vector<std::uint64_t> all;
     for (int i = 0; i < 5; ++i) {
-      SoftBodySettings s = test::testedSettings();
+      SoftBodySettings s = testedSettings();
       s.scale.x() = i == 3 ? -1.0 : 1.0;
       s.position = {3.0 * i, 1.0, 0.0};
       s.angularVelocity = {1, 2, 3};
       s = *withMaterial(*shared, {1e4, 0.3, 200.0}, s);
       const auto body =
-          system.createBody(together ? shared : *buildMaterialNetwork(small_meshes::cube(), mesh), s);
+          bullet.system.createBody(together ? shared : *buildMaterialNetwork(small_meshes::cube(), mesh), s);
       EXPECT_TRUE(body) << body.error();
     }
     bullet.simulate(1.0);
-    for (std::size_t i = 0; i < system.bodyCount(); ++i) all.push_back(system.body(i)->stateHash());
+    for (std::size_t i = 0; i < bullet.system.bodyCount(); ++i)
+      all.push_back(bullet.system.body(i)->stateHash());
     return all;
   };
   EXPECT_EQ(hash(true), hash(false));
@@ -305,12 +272,11 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
 
 /// Returns the positions of a ball of a material that spins, half a second after it was hit.
 std::vector<double> hitBall(const SharedNetwork& ball, const Material& material, int minSubsteps) {
-  BulletWorld bullet(0.0);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = *withMaterial(*ball, material, test::testedSettings());
+  SoftWorld bullet(0.0);
+  SoftBodySettings s = *withMaterial(*ball, material, testedSettings());
   s.angularVelocity = {0, 3, 0};
   s.stepping.minSubsteps = minSubsteps;
-  SoftBody* body = *system.createBody(ball, s);
+  SoftBody* body = bullet.addSoft(ball, s);
   body->applyImpulse(btVector3(0, btScalar(0.005 * s.totalMass), 0), 0);
   bullet.simulate(0.5);
   std::vector<double> xyz;
@@ -323,9 +289,7 @@ std::vector<double> hitBall(const SharedNetwork& ball, const Material& material,
 /// error falls with the square of the frequency. Where the limit of the volume force softens tetrahedra in
 /// these substeps, the error of rubber is above 1e-4 m.
 TEST(Volume, ofTetrahedraIsResolvedByTheUsualSubsteps) {
-  MaterialMesh mesh;
-  mesh.points = 150;
-  const SharedNetwork ball = *buildMaterialNetwork(small_meshes::icosphere(3), mesh);
+  const SharedNetwork ball = solidNetwork(small_meshes::icosphere(3), 150);
   for (const Material& material : {Material::jelly(), Material::rubber(), Material::stiff()}) {
     SCOPED_TRACE(material.youngsModulus);
     const std::vector<double> usual = hitBall(ball, material, 5), exact = hitBall(ball, material, 400);
@@ -336,4 +300,4 @@ TEST(Volume, ofTetrahedraIsResolvedByTheUsualSubsteps) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

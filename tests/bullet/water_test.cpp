@@ -1,35 +1,17 @@
 // SPDX-License-Identifier: Zlib
 // Bodies in water against closed forms: draught, buoyancy, energy, streams.
-#include "support/constants.h"
-#include "support/networks.h"
 #include "support/small_meshes.h"
+#include "support/soft_world.h"
 #include "support/surroundings.h"
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace limber {
+namespace limber::test {
 namespace {
 
 using Eigen::Vector3d;
-using test::BulletWorld;
-using test::fallOf;
-using test::heightOf;
-using test::kGravity;
-using test::solidOf;
-using test::stiffSolid;
-using test::usualSettings;
 
-struct WaterTest : test::SurroundingsTest {};
-
-/// m^3
-double enclosedVolume(const SoftBody& body) {
-  double volume = 0.0;
-  for (const Triangle& t : body.network().surface)
-    volume += body.position(t[0]).dot(body.position(t[1]).cross(body.position(t[2]))) / 6.0;
-  return volume;
-}
+struct WaterTest : SurroundingsTest {};
 
 // flat boxes: a floating cube of half the density of water lies on an edge
 TEST_F(WaterTest, aBoxFloatsAtItsDraught) {
@@ -39,7 +21,7 @@ TEST_F(WaterTest, aBoxFloatsAtItsDraught) {
     s.scale = {1.0, 0.4, 1.0};
     s.position = {0, 3.1, 0};
     s.sleepingSpeed = 0.01;
-    SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+    SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
     bullet.simulate(30.0);
     EXPECT_NEAR(heightOf(*cube), 3.0 + 0.2 - 0.4 * density / 1000.0, 0.004) << density;
     EXPECT_TRUE(cube->sleeping());
@@ -50,9 +32,7 @@ TEST_F(WaterTest, aBoxFloatsAtItsDraught) {
 /// Tetrahedra fill a body and leave its surface to the water.
 TEST_F(WaterTest, aBoxOfTetrahedraFloatsAtItsDraught) {
   setWater(0.0);
-  MaterialMesh mesh;
-  mesh.points = 40;
-  const SharedNetwork block = *buildMaterialNetwork(small_meshes::cube(), mesh);
+  const SharedNetwork block = solidNetwork(small_meshes::cube(), 40);
   SoftBodySettings s = usualSettings();
   s.position = {0, 0.1, 0};
   s = *withMaterial(*block, Material{1e6, 0.3, 250.0, 0.003}, s);
@@ -69,7 +49,7 @@ TEST_F(WaterTest, itBobsWithItsPeriodAndKeepsTheEnergy) {
   s.flow.drag = s.flow.linearDrag = 0.0;
   s.sleepingSpeed = 0.0;
   s.position = {0, 0.1, 0};
-  const SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+  const SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
   double before = heightOf(*cube), first = 0.0, last = 0.0, highest = 0.0;
   int periods = -1;
   for (int i = 1; i <= 1800; ++i) {
@@ -82,7 +62,7 @@ TEST_F(WaterTest, itBobsWithItsPeriodAndKeepsTheEnergy) {
     if (i > 1500) highest = std::max(highest, now);
     before = now;
   }
-  EXPECT_NEAR((last - first) / periods, 2.0 * test::kPi * std::sqrt(0.2 / kGravity), 0.01);
+  EXPECT_NEAR((last - first) / periods, 2.0 * kPi * std::sqrt(0.2 / kGravity), 0.01);
   EXPECT_NEAR(highest, 0.1, 0.01);
 }
 
@@ -95,7 +75,7 @@ TEST_F(WaterTest, itBobsAlikeWithMassesOfTheUsers) {
     if (own) s.totalMass = 1.0;
     s.flow.drag = s.flow.linearDrag = 0.0;
     s.position = {5.0 * own, 1.0, 0};
-    SoftBody* cube = add(solidOf(small_meshes::cube(1)), s);
+    SoftBody* cube = add(bracedNetwork(small_meshes::cube(1)), s);
     if (own)
       for (std::uint32_t i = 0; i < cube->pointCount(); ++i)
         cube->point(i)->setMassProps(btScalar(500.0 / cube->pointCount()), btVector3(0, 0, 0));
@@ -111,7 +91,7 @@ TEST_F(WaterTest, buoyancyIsTheWeightOfTheDisplacedWater) {
     s.scale = {mirror, 1.3, 0.7};
     s.rotation = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
     s.flow.drag = s.flow.linearDrag = 0.0;
-    SoftBody* box = add(solidOf(small_meshes::cube(3)), s);
+    SoftBody* box = add(bracedNetwork(small_meshes::cube(3)), s);
     bullet.tick();
     const double expected = (1000.0 * 1.3 * 0.7 / 700.0 - 1.0) * kGravity / 60.0;
     EXPECT_NEAR(-fallOf(*box), expected, 1e-4 * std::abs(expected)) << mirror;
@@ -125,7 +105,7 @@ TEST_F(WaterTest, lightFoamAndRopesFloatInLongTicks) {
   SoftBodySettings s = stiffSolid(2.0);
   s.scale = {1.0, 0.1, 1.0};
   s.position = {0, 0.3, 0};
-  const SoftBody* raft = add(solidOf(small_meshes::cube(3)), s);
+  const SoftBody* raft = add(bracedNetwork(small_meshes::cube(3)), s);
   SoftBodySettings thin = usualSettings();
   thin.position = {3, 0.2, 0};
   thin.totalMass = 0.2;
@@ -143,7 +123,8 @@ TEST_F(WaterTest, lightFoamAndRopesFloatInLongTicks) {
 // The water's spring is up to a thousand times as stiff as such a body resolves in a tick.
 TEST_F(WaterTest, lightSolidsComeToRestOnWater) {
   setWater(0.0);
-  const SharedNetwork cube = solidOf(small_meshes::cube(2)), ball = solidOf(small_meshes::icosphere(2));
+  const SharedNetwork cube = bracedNetwork(small_meshes::cube(2)),
+                      ball = bracedNetwork(small_meshes::icosphere(2));
   for (const double tick : {1.0 / 120.0, 1.0 / 60.0, 1.0 / 30.0})
     for (const double mass : {0.3, 1.0, 3.0, 10.0, 30.0}) {
       SoftBodySettings s = usualSettings();
@@ -175,7 +156,7 @@ TEST_F(WaterTest, undampedLightSolidsGainNoEnergyOnWater) {
     s.flow.drag = s.flow.linearDrag = 0.0;
     s.sleepingSpeed = 0.0;
     s.position = {0, 0.5 - draught + rise, 0};
-    SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+    SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
     for (int i = 0; i < 3000; ++i) {
       bullet.tick();
       const double up = heightOf(*cube) - (0.5 - draught), speed = fallOf(*cube);
@@ -201,7 +182,7 @@ TEST_F(WaterTest, lightSolidsUnderWaterPullWithTheirBuoyancy) {
         s.scale.setConstant(size);
         s.extensionStiffness = s.compressionStiffness = 2e6 * size * size;
         s.damping *= 5.0;
-        SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+        SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
         SpringSettings rope;
         rope.stiffness = 1e5 * volume;
         rope.damping = 20.0 * mass;
@@ -224,7 +205,7 @@ TEST_F(WaterTest, lightRaftsFloatAtTheDraughtOfTheirLoad) {
         SoftBodySettings s = stiffSolid(mass);
         s.extensionStiffness = s.compressionStiffness = 1e6 * height * size;
         s.scale = {size, height, size};
-        SoftBody* raft = add(solidOf(small_meshes::cube(2)), s);
+        SoftBody* raft = add(bracedNetwork(small_meshes::cube(2)), s);
         const double load = 0.5 * (1000.0 * area * height - mass);
         for (int i = 0; i * tick < 8.0; ++i) {
           ASSERT_TRUE(raft->applyForce(btVector3(0, btScalar(-load * kGravity), 0)));
@@ -240,7 +221,7 @@ TEST_F(WaterTest, aSavedRaftUnderALoadContinuesAlike) {
   setWater(0.0);
   SoftBodySettings s = stiffSolid(0.008);
   s.scale = {0.1, 0.04, 0.1};
-  SoftBody* raft = add(solidOf(small_meshes::cube(2)), s);
+  SoftBody* raft = add(bracedNetwork(small_meshes::cube(2)), s);
   const auto run = [&](int ticks) {
     for (int i = 0; i < ticks; ++i) {
       EXPECT_TRUE(raft->applyForce(btVector3(0, i % 2 ? -2 : -1, 0)));
@@ -264,11 +245,11 @@ TEST_F(WaterTest, aDampedLightSolidLeapsOutOfTheWaterInItsShape) {
     s.damping = 500.0 * mass;
     s.scale.setConstant(0.3);
     s.position = {0, -1.5, 0};
-    SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+    SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
     const double rest = 0.027;
     for (int i = 0; i * tick < 3.0; ++i) {
       bullet.tick(tick);
-      ASSERT_NEAR(enclosedVolume(*cube) / rest, 1.0, 0.2) << "tick " << tick << ", " << i;
+      ASSERT_NEAR(volumeOf(*cube) / rest, 1.0, 0.2) << "tick " << tick << ", " << i;
       ASSERT_LT(std::abs(fallOf(*cube)), 15.0) << "tick " << tick << ", " << i;
       ASSERT_EQ(cube->restorations(), 0u);
     }
@@ -289,7 +270,7 @@ SoftBodySettings lightBall() {
 TEST_F(WaterTest, aLightStiffBallRisesAndFloatsCalmly) {
   for (const double tick : {1.0 / 60.0, 1.0 / 30.0}) {
     setWater(0.0);
-    const SharedNetwork network = solidOf(small_meshes::icosphere(1));
+    const SharedNetwork network = bracedNetwork(small_meshes::icosphere(1));
     SoftBody* ball = add(network, lightBall());
     for (int i = 0; i * tick < 4.0; ++i) {
       bullet.tick(tick);
@@ -303,7 +284,7 @@ TEST_F(WaterTest, aLightStiffBallRisesAndFloatsCalmly) {
 
 TEST_F(WaterTest, aLightStiffBallFallsInItsShapeWhenTheWaterIsDrained) {
   setWater(0.0);
-  SoftBody* ball = add(solidOf(small_meshes::icosphere(1)), lightBall());
+  SoftBody* ball = add(bracedNetwork(small_meshes::icosphere(1)), lightBall());
   for (int i = 0; i < 20; ++i) bullet.tick();
   ASSERT_TRUE(system.setWater(std::nullopt));
   const double energy = ball->elasticEnergy() + ball->kineticEnergy();
@@ -316,7 +297,7 @@ TEST_F(WaterTest, aLightStiffBallFallsInItsShapeWhenTheWaterIsDrained) {
 // Springs far weaker than the water's pressure: it would turn the ball inside out.
 TEST_F(WaterTest, verySoftBodiesFloatInTheirShape) {
   setWater(0.0);
-  const SharedNetwork ball = solidOf(small_meshes::icosphere(1));
+  const SharedNetwork ball = bracedNetwork(small_meshes::icosphere(1));
   for (const double tick : {1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0})
     for (const double stiffness : {30.0, 300.0, 1000.0}) {
       SoftBodySettings s = usualSettings();
@@ -324,11 +305,11 @@ TEST_F(WaterTest, verySoftBodiesFloatInTheirShape) {
       s.totalMass = 100.0;
       s.scale.setConstant(0.5);
       SoftBody* floating = add(ball, s);
-      const double rest = enclosedVolume(*floating);
+      const double rest = volumeOf(*floating);
       for (int i = 0; i * tick < 20.0; ++i) {
         bullet.tick(tick);
         ASSERT_LT(2.0 * floating->kineticEnergy() / s.totalMass, 2.0) << stiffness << " N/m, tick " << tick;
-        ASSERT_NEAR(enclosedVolume(*floating) / rest, 1.0, 0.2) << stiffness << " N/m, tick " << tick;
+        ASSERT_NEAR(volumeOf(*floating) / rest, 1.0, 0.2) << stiffness << " N/m, tick " << tick;
       }
       EXPECT_LT(floating->kineticEnergy(), 1e-3) << stiffness << " N/m, tick " << tick;
       ASSERT_TRUE(system.destroyBody(floating));
@@ -340,13 +321,12 @@ TEST_F(WaterTest, undampedVerySoftBodiesGainNoEnergyOnWater) {
   setWater(0.0);
   const double mass = 300.0, draught = 0.3, rise = 0.03;
   SoftBodySettings s = usualSettings();
-  s.extensionStiffness = s.compressionStiffness = 100.0;
-  s.damping = 0.0;
+  setSprings(s, 100.0, 0.0);
   s.flow.drag = s.flow.linearDrag = 0.0;
   s.totalMass = mass;
   s.sleepingSpeed = 0.0;
   s.position = {0, 0.5 - draught + rise, 0};
-  SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+  SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
   for (int i = 0; i < 3000; ++i) {
     bullet.tick();
     const double up = heightOf(*cube) - (0.5 - draught);
@@ -362,7 +342,7 @@ TEST_F(WaterTest, lightSolidsRiseAlikeAtAnyTick) {
     for (const double tick : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0, 1.0 / 480.0}) {
       SoftBodySettings s = stiffSolid(mass);
       s.flow.drag = s.flow.linearDrag = 0.0;
-      SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+      SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
       const int ticks = static_cast<int>(std::lround(0.1 / tick));
       for (int i = 0; i < ticks; ++i) bullet.tick(tick);
       // half the displaced mass of 1000 kg moves with it; the pressure compresses the body by 3 %
@@ -377,7 +357,7 @@ TEST_F(WaterTest, lightSoftBodiesDeepUnderWaterAreNotCrushed) {
   SoftBodySettings s = usualSettings();
   s.totalMass = 2.0;
   s.damping = 0.0;
-  const SoftBody* cube = add(solidOf(small_meshes::cube(2)), s);
+  const SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), s);
   for (int i = 0; i < 90; ++i) {
     bullet.tick(1.0 / 30.0);
     // the weight of a cubic metre of water against the drag of its face
@@ -393,10 +373,10 @@ TEST_F(WaterTest, aStreamCarriesAFloatingCube) {
   Water water;
   water.flow = {0.8, 0, 0};
   ASSERT_TRUE(system.setWater(water));
-  const SoftBody* cube = add(solidOf(small_meshes::cube(2)), stiffSolid(100.0));
+  const SoftBody* cube = add(bracedNetwork(small_meshes::cube(2)), stiffSolid(100.0));
   bullet.simulate(60.0);
   EXPECT_NEAR(cube->linearMomentum().x() / 100.0, 0.8, 0.1);
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: Zlib
-// The work of a tick depends on nearby objects, not on the size of the world. The tests count work; they do
-// not measure time.
-#include "support/bullet_measures.h"
-#include "support/bullet_world.h"
-#include "support/constants.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
+// The work of a tick depends on nearby objects, not on the size of the world. The tests count work
+// and allocations; they do not measure time.
+#include "support/allocation_counter.h"
+#include "support/soft_world.h"
 
-#include <limber/soft_body_system.h>
-
-#include <gtest/gtest.h>
-
-namespace limber {
+namespace limber::test {
 namespace {
 
-using test::BulletWorld;
-using test::eigen;
-using test::kRadius;
-using test::vec;
-
-SoftBodySettings settingsAt(double x, double y) {
-  SoftBodySettings s = test::testedSettings();
-  s.position = {x, y, 0};
+SoftBodySettings cubeSettingsAt(double x, double y) {
+  SoftBodySettings s = settingsAt({x, y, 0});
   s.pointRadius = kRadius;
   return s;
 }
@@ -62,46 +49,44 @@ constexpr std::size_t kNear = 8 * 8;
 TEST(SurfaceWork, ofACompoundThePartsThatAreNearAreLookedAt) {
   for (const Boxes arrangement : {Boxes::InTree, Boxes::InList, Boxes::InRowsOfTrees}) {
     SCOPED_TRACE(static_cast<int>(arrangement));
-    BulletWorld bullet;
+    SoftWorld bullet;
     bullet.add(makeTiles(bullet, 100, arrangement), 0, vec(0, 0, 0));
-    SoftBodySystem system(*bullet.world);
-    SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.5 + kRadius));
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeSettingsAt(0.06, 0.5 + kRadius));
     for (int i = 0; i < 5; ++i) bullet.tick();
-    EXPECT_GE(system.profile().rigidParts, 16u) << "the tiles under it";
-    EXPECT_LE(system.profile().rigidParts, kNear);
-    EXPECT_GT(test::lowest(*cube), 0.5 * kRadius) << "it lies on them";
+    EXPECT_GE(bullet.system.profile().rigidParts, 16u) << "the tiles under it";
+    EXPECT_LE(bullet.system.profile().rigidParts, kNear);
+    EXPECT_GT(lowest(*cube), 0.5 * kRadius) << "it lies on them";
   }
 }
 
 TEST(SurfaceWork, bodiesShareTheParts) {
-  BulletWorld bullet;
+  SoftWorld bullet;
   bullet.add(makeTiles(bullet, 20, Boxes::InTree), 0, vec(0, 0, 0));
-  SoftBodySystem system(*bullet.world);
   for (int i = 0; i < 3; ++i)
-    ASSERT_TRUE(system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.5 + kRadius + 1.01 * i)));
+    ASSERT_TRUE(
+        bullet.system.createBody(closedCubeNetwork(), cubeSettingsAt(0.06, 0.5 + kRadius + 1.01 * i)));
   bullet.tick();
-  EXPECT_LE(system.profile().rigidParts, kNear);
+  EXPECT_LE(bullet.system.profile().rigidParts, kNear);
 }
 
 TEST(SurfaceWork, ofACompoundThatMovesThePartsThatAreNearAreLookedAt) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   btRigidBody* plate = bullet.add(makeTiles(bullet, 40, Boxes::InTree), 100, vec(0, 0, 0));
   plate->setActivationState(DISABLE_DEACTIVATION);
   plate->setLinearVelocity(vec(0, 3, 0));
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0.06, 0.6));
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeSettingsAt(0.06, 0.6));
   for (int i = 0; i < 20; ++i) {
     bullet.tick();
-    EXPECT_LE(system.profile().rigidParts, kNear);
+    EXPECT_LE(bullet.system.profile().rigidParts, kNear);
   }
-  const double top = double(plate->getWorldTransform().getOrigin().y());
+  const double top = heightOf(*plate);
   EXPECT_GT(top, 0.4) << "it has reached the cube";
-  EXPECT_GT(test::lowest(*cube), top) << "and pushes it";
+  EXPECT_GT(lowest(*cube), top) << "and pushes it";
 }
 
 /// Returns the position of a free cube half a second after a fast, rotating plate has hit it.
 Eigen::Vector3d afterBlowOf(bool compound) {
-  BulletWorld bullet(0.0);
+  SoftWorld bullet(0.0);
   auto box = std::make_unique<btBoxShape>(vec(1.0, 0.1, 0.3));
   btVector3 inertia;
   box->calculateLocalInertia(2, inertia);
@@ -117,8 +102,7 @@ Eigen::Vector3d afterBlowOf(bool compound) {
   plate->updateInertiaTensor();
   plate->setLinearVelocity(vec(0, 12, 0));
   plate->setAngularVelocity(vec(0, 0, 12));
-  SoftBodySystem system(*bullet.world);
-  SoftBody* cube = *system.createBody(test::closedCubeNetwork(), settingsAt(0, 0));
+  SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeSettingsAt(0, 0));
   for (int i = 0; i < 30; ++i) bullet.tick();
   return cube->centerOfMass();
 }
@@ -132,27 +116,21 @@ TEST(SurfaceWork, whatComesFastAndTurningIsNear) {
 
 /// Returns the substeps in a second of a carpet on a turntable.
 std::size_t substepsOnTurntable(double turn) {
-  BulletWorld bullet(-10.0);
-  btRigidBody* slab = bullet.addBox(vec(0.5, 0.1, 0.5), 5.0, vec(0, -0.1, 0));
+  SoftWorld bullet(-10.0);
+  btRigidBody* slab = bullet.addAwakeBox(vec(0.5, 0.1, 0.5), 5.0, vec(0, -0.1, 0));
   slab->setDamping(0, 0);
-  slab->setActivationState(DISABLE_DEACTIVATION);
   btHingeConstraint axle(*slab, vec(0, 0, 0), vec(0, 1, 0));
   bullet.world->addConstraint(&axle, true);
-  SoftBodySystem system(*bullet.world);
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.01, 0};
+  SoftBodySettings s = settingsAt({0, 0.01, 0});
   s.sleepingSpeed = 0.0;
   s.extensionStiffness = s.compressionStiffness = 300.0;
-  ClothSettings cloth;
-  cloth.width = cloth.depth = 0.8;
-  cloth.columns = cloth.rows = 8;
-  SoftBody* carpet = *system.createBody(*buildCloth(cloth), s);
+  SoftBody* carpet = bullet.addSoft(squareCloth(8, 0.8), s);
   slab->setAngularVelocity(vec(0, turn, 0));
   carpet->setVelocity(vec(0, 0, 0), vec(0, turn, 0));
   std::size_t substeps = 0;
   for (int i = 0; i < 60; ++i) {
     bullet.tick();
-    substeps += system.profile().substeps;
+    substeps += bullet.system.profile().substeps;
   }
   EXPECT_NEAR(double(slab->getAngularVelocity().y()), turn, 0.01 * turn + 1e-6) << "angular momentum is kept";
   bullet.world->removeConstraint(&axle);
@@ -163,5 +141,29 @@ TEST(SurfaceWork, whatTurnsTogetherIsLikeWhatRests) {
   EXPECT_LE(substepsOnTurntable(5.0), substepsOnTurntable(0.0));
 }
 
+// --- memory ------------------------------------------------------------------------------------------------
+
+TEST(Allocation, aTickAllocatesNothingAfterWarmUp) {
+  SoftWorld bullet;
+  bullet.addBoxFloor();
+  const SharedNetwork open = cubeNetwork(), closed = closedCubeNetwork();
+  for (int i = 0; i < 12; ++i) {
+    SoftBody* body = bullet.addSoft(i < 8 ? open : closed, settingsAt({1.5 * i, 1.0, 0}));
+    body->point(0)->setActivationState(DISABLE_DEACTIVATION);
+  }
+  btRigidBody* box = bullet.addBox(vec(0.2, 0.2, 0.2), 1, vec(0, 3, 0));
+  ASSERT_TRUE(bullet.system.addSpring({bullet.system.body(0)->point(0)}, {bullet.system.body(1)->point(0)}));
+  ASSERT_TRUE(bullet.system.attach(bullet.system.body(2), 1, *box));
+  bullet.simulate(8.0);  // the box rolls for some seconds; its largest number of contacts still grows
+  EXPECT_EQ(allocationsIn([&] { bullet.simulate(1.0); }), 0u);
+}
+
+TEST(Allocation, theCounterCounts) {
+  const AllocationCounter counter;
+  const auto made = std::make_unique<int>(1);
+  EXPECT_GE(counter.allocations(), 1u);
+  EXPECT_EQ(*made, 1);
+}
+
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

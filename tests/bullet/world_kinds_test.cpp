@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // Worlds other than btDiscreteDynamicsWorld.
-#include "support/bullet_world.h"
-#include "support/networks.h"
-#include "support/tested_way.h"
-
-#include <limber/soft_body_system.h>
+#include "support/soft_world.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolverMt.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
 #include <LinearMath/btThreads.h>
-#include <gtest/gtest.h>
 
-namespace limber {
+namespace limber::test {
 namespace {
-
-using test::BulletWorld;
-using test::vec;
 
 /// A soft cube on the floor with a box on it, and next to it a pile of boxes that only Bullet's solver steps.
 struct Heap {
@@ -26,11 +18,10 @@ struct Heap {
 
 Heap addHeap(BulletWorld& bullet, SoftBodySystem& system) {
   bullet.addBoxFloor();
-  SoftBodySettings s = test::testedSettings();
-  s.position = {0, 0.6, 0};
+  SoftBodySettings s = settingsAt({0, 0.6, 0});
   s.pointRadius = 0.02;
   s.damping = 5.0;
-  Heap heap{*system.createBody(test::closedCubeNetwork(), s), nullptr};
+  Heap heap{*system.createBody(closedCubeNetwork(), s), nullptr};
   heap.box = bullet.addBox(vec(0.6, 0.1, 0.6), 0.5, vec(0, 1.3, 0));
   for (int i = 0; i < 3; ++i) bullet.addBox(vec(0.2, 0.2, 0.2), 1.0, vec(3, 0.3 + 0.5 * i, 0));
   return heap;
@@ -62,4 +53,4 @@ TEST(WorldKinds, aMultiThreadedWorldDoesAsAPlainOne) {
 }
 
 }  // namespace
-}  // namespace limber
+}  // namespace limber::test

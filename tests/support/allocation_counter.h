@@ -17,4 +17,12 @@ class AllocationCounter {
   std::size_t start_;
 };
 
+/// Returns the number of allocations that `work` makes.
+template <typename Work>
+std::size_t allocationsIn(const Work& work) {
+  const AllocationCounter counter;
+  work();
+  return counter.allocations();
+}
+
 }  // namespace limber::test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <limber/soft_body.h>
+#include <limber/soft_body_system.h>
 
 #include <btBulletDynamicsCommon.h>
 
@@ -37,11 +37,36 @@ inline double energyOf(const btRigidBody& body, double gravity) {
          gravity / double(body.getInvMass()) * double(body.getCenterOfMassPosition().y());
 }
 
+/// Returns the height (m) of the body's centre.
+inline double heightOf(const btRigidBody& body) { return double(body.getCenterOfMassPosition().y()); }
+
+/// Returns one hash of the states of all bodies.
+inline std::uint64_t stateHashOf(const SoftBodySystem& system) {
+  std::uint64_t hash = 0;
+  for (std::size_t i = 0; i < system.bodyCount(); ++i) hash = hash * 31 + system.body(i)->stateHash();
+  return hash;
+}
+
 /// Returns the smallest y (m) of the body's points.
 inline double lowest(const SoftBody& body) {
   double y = 1e9;
   for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::min(y, body.position(i).y());
   return y;
+}
+
+/// Returns the largest y (m) of the body's points.
+inline double highest(const SoftBody& body) {
+  double y = -1e9;
+  for (std::uint32_t i = 0; i < body.pointCount(); ++i) y = std::max(y, body.position(i).y());
+  return y;
+}
+
+/// Returns the signed volume (m^3) within the surface.
+inline double volumeOf(const SoftBody& body) {
+  double six = 0.0;
+  for (const Triangle& t : body.network().surface)
+    six += body.position(t[0]).dot(body.position(t[1]).cross(body.position(t[2])));
+  return six / 6.0;
 }
 
 /// Returns the positions (m) of the points, one column each.

@@ -28,6 +28,12 @@ btRigidBody* BulletWorld::addBox(const btVector3& halfSize, double mass, const b
   return add(std::make_unique<btBoxShape>(halfSize), mass, position);
 }
 
+btRigidBody* BulletWorld::addAwakeBox(const btVector3& halfSize, double mass, const btVector3& position) {
+  btRigidBody* box = addBox(halfSize, mass, position);
+  box->setActivationState(DISABLE_DEACTIVATION);
+  return box;
+}
+
 btRigidBody* BulletWorld::addPlaneFloor() {
   return add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, btVector3(0, 0, 0));
 }
@@ -54,6 +60,16 @@ btRigidBody* BulletWorld::addTriangleFloor() {
   auto shape = std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true);
   meshes.push_back(std::move(mesh));
   return add(std::move(shape), 0, btVector3(0, 0, 0));
+}
+
+double BulletWorld::impulsesInManifolds() const {
+  double sum = 0.0;
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    for (int p = 0; p < manifold.getNumContacts(); ++p)
+      sum += double(manifold.getContactPoint(p).m_appliedImpulse);
+  }
+  return sum;
 }
 
 void BulletWorld::simulate(double seconds, double dt) {

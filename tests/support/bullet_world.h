@@ -32,10 +32,15 @@ struct BulletWorld {
   /// Adds a body of the shape with its centre at `position`; mass 0 makes it static.
   btRigidBody* add(std::unique_ptr<btCollisionShape> shape, double mass, const btVector3& position);
   btRigidBody* addBox(const btVector3& halfSize, double mass, const btVector3& position);
-  btRigidBody* addPlaneFloor();     ///< a static plane y = 0
-  btRigidBody* addBoxFloor();       ///< a static box with its top at y = 0
+  btRigidBody* addAwakeBox(const btVector3& halfSize, double mass,
+                           const btVector3& position);  ///< never sleeps
+  btRigidBody* addPlaneFloor();                         ///< a static plane y = 0
+  btRigidBody* addBoxFloor();                           ///< a static box with its top at y = 0
   btRigidBody* addHullFloor();      ///< a static convex hull with its top at y = 0, margin included
   btRigidBody* addTriangleFloor();  ///< a static triangle mesh at y = 0, cells of 0.37 m
+
+  /// Returns the sum of the impulses (N s) in Bullet's manifolds.
+  double impulsesInManifolds() const;
 
   /// Advances by one tick of dt. Bullet's accumulation of time is off.
   void tick(double dt = 1.0 / 60.0) { world->stepSimulation(static_cast<btScalar>(dt), 0); }
@@ -62,6 +67,12 @@ struct TriangleRay final : btCollisionWorld::ClosestRayResultCallback {
     return ClosestRayResultCallback::addSingleResult(result, inWorld);
   }
 };
+
+/// Lets the user move a body of mass 0 in each tick.
+inline void makeKinematic(btRigidBody& body) {
+  body.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  body.setActivationState(DISABLE_DEACTIVATION);
+}
 
 inline btVector3 vec(double x, double y, double z) {
   return btVector3(static_cast<btScalar>(x), static_cast<btScalar>(y), static_cast<btScalar>(z));

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -21,6 +22,19 @@ SharedNetwork network(NetworkKind kind, std::vector<Eigen::Vector3d> points,
   made->restPoints = std::move(points);
   for (const auto& [a, b] : springs) made->springs.push_back({a, b, SpringKind::Structural, 1.0});
   return made;
+}
+
+/// Returns the result of `build` for this mesh and key. It builds a network at the first call only.
+template <typename Build>
+SharedNetwork builtOnce(const TriangleMesh& mesh, std::uint32_t key, const Build& build) {
+  static std::map<std::vector<double>, SharedNetwork> networks;
+  std::vector<double> values{static_cast<double>(key)};
+  for (const Eigen::Vector3d& p : mesh.positions) values.insert(values.end(), p.data(), p.data() + 3);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t corner : t) values.push_back(corner);
+  SharedNetwork& network = networks[values];
+  if (!network) network = build();
+  return network;
 }
 
 SharedNetwork cube(double longestSpring) {
@@ -115,11 +129,34 @@ SharedNetwork closedCubeNetwork() {
   return *buildNetwork(small_meshes::cube(), settings);
 }
 
-SharedNetwork clothNetwork(std::uint32_t columns, std::uint32_t rows) {
+SharedNetwork clothNetwork(std::uint32_t columns, std::uint32_t rows, double width, double depth) {
   ClothSettings settings;
+  settings.width = width;
+  settings.depth = depth;
   settings.columns = columns;
   settings.rows = rows;
   return *buildCloth(settings);
+}
+
+SharedNetwork squareCloth(std::uint32_t cells, double width) {
+  return clothNetwork(cells, cells, width, width);
+}
+
+SharedNetwork ropeNetwork(std::uint32_t segments, double length) {
+  RopeSettings settings;
+  settings.segments = segments;
+  settings.length = length;
+  return *buildRope(settings);
+}
+
+SharedNetwork solidNetwork(const TriangleMesh& mesh, std::uint32_t points) {
+  MaterialMesh settings;
+  settings.points = points;
+  return builtOnce(mesh, points, [&] { return *buildMaterialNetwork(mesh, settings); });
+}
+
+SharedNetwork bracedNetwork(const TriangleMesh& mesh) {
+  return builtOnce(mesh, 0, [&] { return *buildNetwork(mesh); });
 }
 
 }  // namespace limber::test

@@ -31,6 +31,17 @@ SharedNetwork tetrahedralCubeNetwork();
 SharedNetwork tetrahedralBlockNetwork(int nx, int ny, int nz);
 
 /// Returns a cloth of columns x rows fields with the other standard settings.
-SharedNetwork clothNetwork(std::uint32_t columns, std::uint32_t rows);
+SharedNetwork clothNetwork(std::uint32_t columns, std::uint32_t rows, double width = 1.0, double depth = 1.0);
+
+/// Returns a square cloth of cells x cells fields.
+SharedNetwork squareCloth(std::uint32_t cells, double width = 1.0);
+
+SharedNetwork ropeNetwork(std::uint32_t segments, double length = 1.0);
+
+/// Returns the mesh filled with tetrahedra of about `points` point masses. Tests share what was built.
+SharedNetwork solidNetwork(const TriangleMesh& mesh, std::uint32_t points);
+
+/// Returns the mesh with the default braces. Tests share what was built.
+SharedNetwork bracedNetwork(const TriangleMesh& mesh);
 
 }  // namespace limber::test

@@ -17,8 +17,6 @@ inline SoftBodySettings usualSettings() {
   return s;
 }
 
-inline SharedNetwork solidOf(const TriangleMesh& mesh) { return *buildNetwork(mesh); }
-
 inline SoftBodySettings stiffSolid(double mass) {
   SoftBodySettings s = usualSettings();
   s.extensionStiffness = s.compressionStiffness = 1e4 * mass;

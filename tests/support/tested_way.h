@@ -26,4 +26,17 @@ inline SoftBodySettings testedSettings() {
   return s;
 }
 
+/// Returns the same for a body with its origin at `position` (m).
+inline SoftBodySettings settingsAt(const Eigen::Vector3d& position) {
+  SoftBodySettings s = testedSettings();
+  s.position = position;
+  return s;
+}
+
+/// Sets the stiffness (N/m) in both directions and the damping (N s/m) of all springs.
+inline void setSprings(SoftBodySettings& s, double stiffness, double damping) {
+  s.extensionStiffness = s.compressionStiffness = stiffness;
+  s.damping = damping;
+}
+
 }  // namespace limber::test
