@@ -282,6 +282,27 @@ TEST_F(WaterTest, aLightStiffBallRisesAndFloatsCalmly) {
   }
 }
 
+// A tick takes them from above the water to far below it.
+TEST_F(WaterTest, bodiesOfMillimetresComeToRestAtLongTicks) {
+  constexpr double kSize = 0.005, kTick = 1.0 / 15.0;
+  for (const double density : {30.0, 300.0, 900.0}) {
+    setWater(0.0);
+    SoftBodySettings s = usualSettings();
+    s.scale = Vector3d::Constant(0.5 * kSize);
+    s.position = {0, 1.5 * kSize, 0};
+    s.totalMass = density * 0.42 * std::pow(kSize, 3);
+    setSprings(s, 5.0, 1e-3);
+    SoftBody* ball = add(bracedNetwork(small_meshes::icosphere(1)), s);
+    for (int i = 0; i < 300; ++i) {
+      bullet.tick(kTick);
+      ASSERT_LT(heightOf(*ball), 2.0 * kSize) << density << ", tick " << i;
+    }
+    EXPECT_NEAR(heightOf(*ball), 0.0, kSize) << density;
+    EXPECT_LT(std::abs(fallOf(*ball)), 0.02) << density;
+    ASSERT_TRUE(system.destroyBody(ball));
+  }
+}
+
 TEST_F(WaterTest, aLightStiffBallFallsInItsShapeWhenTheWaterIsDrained) {
   setWater(0.0);
   SoftBody* ball = add(bracedNetwork(small_meshes::icosphere(1)), lightBall());

@@ -331,7 +331,8 @@ void limitRise(const SoftBodyData& body, BodyMedium& medium, const WaterPlane& p
   const Vector3d gravity = toEigen(body.world->getGravity());
   if (!(gravity.norm() * tick * tick > kSmall * body.size)) return;
   const PointState& s = body.state;
-  double momentum = 0.0, impulse = 0.0, wanted = 0.0;  // kg m/s, upward: without the force, by it, to the plane
+  double momentum = 0.0, impulse = 0.0,
+         wanted = 0.0;  // kg m/s, upward: without the force, by it, to the plane
   for (Eigen::Index i = 0; i < s.position.cols(); ++i) {
     const double m = massOf(s.inverseMass, i);
     momentum += m * plane.up.dot(s.velocity.col(i) + tick * s.acceleration.col(i));
