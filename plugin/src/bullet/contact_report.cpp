@@ -310,8 +310,10 @@ struct PiercedTriangle final : btCollisionWorld::ClosestRayResultCallback {
 void addEdges(SoftBodyData& body, const ObjectHandle& partner) {
   auto* other = const_cast<btCollisionObject*>(partner.object);
   const btTransform& pose = other->getWorldTransform();
+  const Eigen::AlignedBox3d box = boxOf(*other);
   for (const Edge& edge : body.model->topology.edges) {
     const Vector3d from = body.state.position.col(edge[0]), to = body.state.position.col(edge[1]);
+    if (!box.intersects(Eigen::AlignedBox3d(from).extend(to))) continue;
     PiercedTriangle hit(from, to);
     btCollisionWorld::rayTestSingle(btTransform(btQuaternion::getIdentity(), hit.m_rayFromWorld),
                                     btTransform(btQuaternion::getIdentity(), hit.m_rayToWorld), other,

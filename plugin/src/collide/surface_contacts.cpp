@@ -556,10 +556,6 @@ bool moveTo(double time, const MovingSurface& a, const MovingSurface& b, double 
   return true;
 }
 
-}  // namespace
-
-namespace {
-
 /// Whether the contact is one of edges that a search would leave out.
 bool hasFlatEdges(const MovingSurface& a, const MovingSurface& b, const SurfaceContact& c) {
   return c.a.kind == FeatureKind::OnEdge && c.b.kind == FeatureKind::OnEdge &&
