@@ -53,6 +53,9 @@ void joinNodes(const AwakeGroups& groups, const TickContacts& found, const Islan
   for (const Contact& c : found.contacts) join(sets, nodes.of(c.a), nodes.of(c.b));
   for (const SurfaceCandidate& m : found.candidates) join(sets, nodes.of(*m.body), nodes.ofOther(m, found));
   for (const JointConstraint& j : found.joints) join(sets, nodes.ofRigid(j.a), nodes.ofRigid(j.b));
+  for (std::uint32_t number = 0; number < found.rigids.size(); ++number)
+    if (const SurfaceObject* surface = SurfaceObject::from(found.rigids[number].body))
+      join(sets, nodes.of(*surface->owner()), nodes.ofRigid(number));
 }
 
 // --- filling the islands ----------------------------------------------------------------------------------
@@ -71,6 +74,7 @@ void clear(Island& island) {
   island.step.pairs.joints.clear();
   island.step.links.points.clear();
   island.step.links.rigids.clear();
+  island.step.links.frames.clear();
   island.step.links.springs.clear();
   island.step.links.anchors.clear();
 }
@@ -131,6 +135,21 @@ void appendGroups(const AwakeGroups& groups, const TickContacts& found, const Is
   }
 }
 
+/// Returns the index of a body in its island.
+std::uint32_t solverIndexOf(const SoftBodyData& body, const IslandNodes& nodes, const Islands& islands) {
+  return islands.first[nodes.of(body)] + islands.indexInGroup[body.index];
+}
+
+/// Makes the last rigid body stand for a soft body. Forces and gravity act on the points.
+void addFrame(LinkedBodies& links, std::uint32_t body) {
+  RigidState& rigid = links.rigids.back();
+  rigid.isFrame = true;
+  rigid.gyroscopic = false;
+  rigid.acceleration.setZero();
+  rigid.angularAcceleration.setZero();
+  links.frames.push_back({body, static_cast<std::uint32_t>(links.rigids.size() - 1)});
+}
+
 void appendRigids(TickContacts& found, const IslandNodes& nodes, btScalar tick, Islands& islands) {
   for (std::uint32_t number = 0; number < found.rigids.size(); ++number) {
     const std::uint32_t node = nodes.ofRigid(number);
@@ -140,6 +159,8 @@ void appendRigids(TickContacts& found, const IslandNodes& nodes, btScalar tick, 
     island.rigids.push_back(number);
     island.step.links.rigids.emplace_back();
     gatherRigid(found.rigids[number], island.step.links.rigids.back(), tick);
+    if (const SurfaceObject* surface = SurfaceObject::from(found.rigids[number].body))
+      addFrame(island.step.links, solverIndexOf(*surface->owner(), nodes, islands));
   }
 }
 
@@ -180,18 +201,15 @@ bool hasAnchorsAndContacts(const LinkedGroup& group) {
 }
 
 void appendCandidates(const TickContacts& found, const IslandNodes& nodes, Islands& islands) {
-  const auto solverIndexOf = [&](const SoftBodyData& body) {
-    return islands.first[nodes.groupOf[body.index]] + islands.indexInGroup[body.index];
-  };
   for (const SurfaceCandidate& m : found.candidates) {
     IslandPair candidate;
     candidate.surfaces = &m;
-    candidate.a = solverIndexOf(*m.body);
+    candidate.a = solverIndexOf(*m.body, nodes, islands);
     candidate.displacement = displacementOf(m, found.tick);
     candidate.searchDistance = searchDistanceOf(m);
     candidate.releases = releasesOf(m, found.tick);
     if (m.other)
-      candidate.b = solverIndexOf(*m.other);
+      candidate.b = solverIndexOf(*m.other, nodes, islands);
     else if (!m.held)
       candidate.b = islands.first[nodes.ofRigid(found.find(*m.partner))];
     else if (candidate.needsNewSearch())
@@ -229,6 +247,10 @@ void markCoupledPoints(Island& island) {
           island.softBodies[point->body]->coupled[point->point[i]] = 1;
   for (const LinkAnchor& anchor : island.step.links.anchors)
     island.softBodies[anchor.point.body]->coupled[anchor.point.point] = 1;
+  for (const BodyFrame& frame : island.step.links.frames) {
+    std::vector<unsigned char>& coupled = island.softBodies[frame.body]->coupled;
+    coupled.assign(coupled.size(), 1);
+  }
 }
 
 Contact contactOf(const PlaneContact& row, const SoftBodyData& body, std::uint32_t bodyIndex) {

@@ -86,6 +86,7 @@ double weighted(const Eigen::Vector3d& x, const Eigen::Vector3d& y, const Eigen:
 }
 
 double kineticEnergy(const RigidState& rigid) {
+  if (rigid.isFrame) return 0.0;
   const Eigen::Vector3d spin = rigid.rotation.conjugate() * rigid.angularVelocity;
   return 0.5 * weighted(rigid.velocity, rigid.velocity, rigid.inverseMass) +
          0.5 * weighted(spin, spin, rigid.inverseInertiaLocal);
@@ -150,7 +151,7 @@ CommonMotion commonMotion(const SolverIsland& step) {
     all.mean += linearMomentum(*body.points);
   }
   for (const RigidState& rigid : step.links.rigids)
-    if (rigid.inverseMass.minCoeff() > 0.0) {
+    if (!rigid.isFrame && rigid.inverseMass.minCoeff() > 0.0) {
       all.mass += 1.0 / rigid.inverseMass.x();
       all.mean += rigid.velocity / rigid.inverseMass.x();
     }
@@ -311,8 +312,10 @@ void offerToJoints(Island& island, TickContacts& found, double tick) {
   LinkedBodies& motion = island.mean;
   motion.rigids = island.start;
   const std::vector<RigidState>& ends = island.step.links.rigids;
-  for (std::size_t i = 0; i < ends.size(); ++i)
+  for (std::size_t i = 0; i < ends.size(); ++i) {
     (motion.rigids[i] = meanMotion(island.start[i], ends[i], tick)).turn();
+    if (ends[i].isFrame) motion.rigids[i].inverseInertia = ends[i].inverseInertia;
+  }
   holdJoints(island.step.pairs, motion);
   std::size_t next = 0;
   const auto offer = [&](RigidPartner& partner) {
@@ -324,6 +327,14 @@ void offerToJoints(Island& island, TickContacts& found, double tick) {
   for (LinkedGroup* group : island.groups)
     for (RigidPartner& partner : group->rigids) offer(partner);
   for (const std::uint32_t i : island.rigids) offer(found.rigids[i]);
+}
+
+/// Writes that of a soft body to its surface object.
+void writeMotion(RigidPartner& partner, const RigidState& end, btScalar tick) {
+  if (!end.isFrame) return writeRigidToBullet(partner, end, tick);
+  const RigidState mean = meanMotion(partner.start, end, double(tick));
+  offerMotion(*SurfaceObject::from(partner.body)->owner(), mean.velocity + partner.velocityOffset,
+              mean.angularVelocity + partner.spinOffset);
 }
 
 }  // namespace
@@ -340,15 +351,17 @@ void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {
   copyToGroups(island);
   const std::size_t first = firstOwnRigid(island);
   for (std::size_t i = 0; i < island.rigids.size(); ++i)
-    writeRigidToBullet(found.rigids[island.rigids[i]], island.step.links.rigids[first + i], tick);
+    writeMotion(found.rigids[island.rigids[i]], island.step.links.rigids[first + i], tick);
 }
 
 void readIslandFromBullet(const Island& island, TickContacts& found, const btCollisionWorld& world,
                           btScalar tick) {
   const std::size_t first = firstOwnRigid(island);
-  for (std::size_t i = 0; i < island.rigids.size(); ++i)
-    if (RigidPartner& rigid = found.rigids[island.rigids[i]]; isValid(world, rigid.handle))
-      readRigidFromBullet(rigid, island.step.links.rigids[first + i], tick);
+  for (std::size_t i = 0; i < island.rigids.size(); ++i) {
+    const RigidState& end = island.step.links.rigids[first + i];
+    if (RigidPartner& rigid = found.rigids[island.rigids[i]]; !end.isFrame && isValid(world, rigid.handle))
+      readRigidFromBullet(rigid, end, tick);
+  }
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

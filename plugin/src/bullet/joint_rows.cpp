@@ -51,11 +51,19 @@ btTypedConstraint::btConstraintInfo2 infoOn(Rows& buffer, const btContactSolverI
   return info;
 }
 
+/// Returns whether the step moves the body.
+bool isStepped(const btRigidBody& body) {
+  const SurfaceObject* surface = SurfaceObject::from(&body);
+  if (!surface) return isFree(body);
+  return surface->owner() && surface->owner()->alive && !surface->owner()->asleep &&
+         body.getActivationState() != DISABLE_SIMULATION;
+}
+
 /// Returns the number of a side's body. The contribution of a kinematic body's motion goes to the other side
 /// of the row's equation: it is subtracted from `speed`.
 std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vector3d& angular,
                      const TickContacts& found, double& speed) {
-  if (isFree(body)) return found.find(body);
+  if (isStepped(body)) return found.find(body);
   if (isKinematic(body)) {
     const btTransform &start = body.getWorldTransform(), &end = body.getInterpolationWorldTransform();
     const Vector3d moved = toEigen(btVector3(end.getOrigin() - start.getOrigin()));
@@ -262,12 +270,25 @@ std::uint32_t switchOff(btTypedConstraint& joint) {
   return on;
 }
 
-/// Leaves drives enabled that the user has enabled since.
-void switchOn(btTypedConstraint& joint, std::uint32_t on) {
-  visitDrives(joint, [&](bool& flag) {
+/// An impulse clamp (N s) that leaves nothing; 0 would be no clamp.
+constexpr btScalar kNoImpulse = btScalar(1e-30);
+
+/// A row with a clamp has both limits: it pulls with its impulse like a motor.
+btScalar switchOffClamp(btTypedConstraint& joint) {
+  if (joint.getConstraintType() != POINT2POINT_CONSTRAINT_TYPE) return 0;
+  return std::exchange(static_cast<btPoint2PointConstraint&>(joint).m_setting.m_impulseClamp, kNoImpulse);
+}
+
+/// Leaves drives and a clamp as they are that the user has enabled or set since.
+void switchOn(const DisabledDrives& off) {
+  std::uint32_t on = off.drives;
+  visitDrives(*off.joint, [&](bool& flag) {
     if (on & 1u) flag = true;
     on >>= 1;
   });
+  if (!(off.clamp > btScalar(0))) return;
+  btScalar& clamp = static_cast<btPoint2PointConstraint&>(*off.joint).m_setting.m_impulseClamp;
+  if (clamp == kNoImpulse) clamp = off.clamp;
 }
 
 /// Returns whether the joint is in the world. Searches from `index` in the world's list on, and sets `index`
@@ -293,19 +314,16 @@ void addFeedback(btJointFeedback& feedback, const JointConstraint& j, btScalar t
   add(feedback.m_appliedTorqueBodyB, j.angularB);
 }
 
-/// Calls visit(joint) for the enabled joints of numbered bodies. Bullet's solver handles those with soft
-/// bodies, see surface_rigid.cpp.
+/// Calls visit(joint) for the enabled joints of numbered bodies.
 template <class Visit>
 void forEachJoint(btDiscreteDynamicsWorld& world, const TickContacts& found, Visit visit) {
   const auto isNumbered = [&](const btRigidBody& body) {
-    return isFree(body) && found.find(body) != TickContacts::kNone;
+    return isStepped(body) && found.find(body) != TickContacts::kNone;
   };
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& joint = *world.getConstraint(i);
     const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
-    if (joint.isEnabled() && !SurfaceObject::from(&a) && !SurfaceObject::from(&b) &&
-        (isNumbered(a) || isNumbered(b)))
-      visit(joint);
+    if (joint.isEnabled() && (isNumbered(a) || isNumbered(b))) visit(joint);
   }
 }
 
@@ -324,11 +342,20 @@ void addRollingRows(const btCollisionObject& a, const btCollisionObject& b, cons
   addRotationRow(a, b, normal.cross(across), rolling, found);
 }
 
+void addJointedSurfaces(btDiscreteDynamicsWorld& world, TickContacts& found) {
+  for (int i = 0; i < world.getNumConstraints(); ++i) {
+    btTypedConstraint& joint = *world.getConstraint(i);
+    if (!joint.isEnabled()) continue;
+    for (btRigidBody* body : {&joint.getRigidBodyA(), &joint.getRigidBodyB()})
+      if (SurfaceObject::from(body) && isStepped(*body)) found.add(*body);
+  }
+}
+
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
   const std::size_t before = found.rigids.size();
   forEachJoint(world, found, [&](btTypedConstraint& joint) {
     for (btRigidBody* body : {&joint.getRigidBodyA(), &joint.getRigidBodyB()})
-      if (isFree(*body)) found.add(*body);
+      if (isStepped(*body)) found.add(*body);
   });
   return found.rigids.size() > before;
 }
@@ -341,14 +368,14 @@ void addJointRows(btDiscreteDynamicsWorld& world, btScalar tick, TickContacts& f
 void disableDrives(const TickContacts& found, std::vector<DisabledDrives>& off) {
   for (const JointSource& source : found.jointSources) {
     if (!source.drives || (!off.empty() && off.back().joint == source.constraint)) continue;
-    off.push_back({source.constraint, switchOff(*source.constraint)});
+    off.push_back({source.constraint, switchOff(*source.constraint), switchOffClamp(*source.constraint)});
   }
 }
 
 void enableDrives(btDynamicsWorld& world, std::vector<DisabledDrives>& off) {
   int index = 0;
   for (const DisabledDrives& o : off)
-    if (isValid(world, o.joint, index)) switchOn(*o.joint, o.drives);
+    if (isValid(world, o.joint, index)) switchOn(o);
   off.clear();
 }
 

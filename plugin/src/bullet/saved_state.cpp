@@ -148,7 +148,6 @@ struct BodyState : MotionMemory {
   double softenedTo = 0.0;
   std::vector<double> softenedMass;  ///< 3 x #points, inverse masses for which it was softened, or empty
   int overlapTicks = 0;
-  Eigen::Vector3d jointLinear = Eigen::Vector3d::Zero(), jointAngular = Eigen::Vector3d::Zero();
   Eigen::Vector3d lastWind = Eigen::Vector3d::Zero();  ///< m/s, see BodyMedium
   std::vector<double> otherForces;                     ///< 3, N/kg, BodyMedium::others, or empty
   std::vector<std::uint64_t> touched, key;  ///< #impulses: index in the world of the partner, features
@@ -194,8 +193,6 @@ void transferState(Stream& stream, State& s) {
   stream.value("stepper", s.stepper);
   transferFlag(stream, "stepper", s.prefersImplicit);
   stream.value("restorations", s.restorations);
-  transferVector(stream, "joint linear", s.jointLinear);
-  transferVector(stream, "joint angular", s.jointAngular);
   transferVector(stream, "wind", s.lastWind);
   stream.array("forces in water", s.otherForces);
   stream.array("touched objects", s.touched);
@@ -352,8 +349,6 @@ BodyState stateOf(SoftBodyData& body) {
   saveSprings(body, s);
   if (isAlive(body)) saveImpulses(body, s), saveNear(body, s), saveContacts(body, s);
   s.frame = body.surface.frame;
-  s.jointLinear = body.surface.joints.linear;
-  s.jointAngular = body.surface.joints.angular;
   s.asleep = body.asleep;
   s.freed = body.surface.freed;
   s.overlapTicks = body.surface.overlapTicks;
@@ -384,8 +379,6 @@ std::string checkState(const SoftBodyData& body, const BodyState& s) {
         &s.impulse, &s.startVelocity, &s.otherForces, &s.contact})
     for (const double number : *array)
       if (!(std::abs(number) <= kMaxSound)) return "the saved state has a number that is not finite";
-  if (!(s.jointLinear.norm() <= kMaxSound && s.jointAngular.norm() <= kMaxSound))
-    return "the saved state has a number that is not finite";
   if (!(std::abs(s.frame.norm() - 1.0) < 1e-6)) return "the saved state has a frame that is no rotation";
   if (s.settings.collision != body.settings.collision)
     return "the saved state is of a body with another kind of collision";
@@ -501,8 +494,6 @@ void restoreFrom(SoftBodyData& body, const BodyState& s) {
   restoreSprings(body, s);
   restoreImpulses(body, s);
   body.surface.frame = s.frame;
-  body.surface.joints = {s.jointLinear, s.jointAngular};
-  body.surface.joints.set = JointMotion::kUnknown;
   static_cast<MotionMemory&>(body) = s;
   mediumOf(body).lastWind = s.lastWind;
   body.medium->others.reset();

@@ -305,8 +305,39 @@ void stirHeld(std::vector<LinkedGroup>& groups, const KinematicMotions& kinemati
     if (group.asleep && std::any_of(group.rigids.begin(), group.rigids.end(), moves)) stir(group, tick, s);
 }
 
+/// Returns whether something joined to this body must stay awake.
+bool isRestless(const btRigidBody& body, const SleepScratch& s) {
+  if (const SurfaceObject* surface = SurfaceObject::from(&body)) {
+    const auto isIts = [&](const SleepBox& quiet) {
+      return quiet.object == surface && isQuiet(*quiet.group);
+    };
+    return std::none_of(s.quiet.begin(), s.quiet.end(), isIts);
+  }
+  if (isStaticOrKinematic(body))
+    return std::binary_search(s.holders.begin(), s.holders.end(), &body, std::less<>());
+  return body.isActive() && !const_cast<btRigidBody&>(body).wantsSleeping();
+}
+
+/// Stirs quiet groups whose surface objects Bullet's constraints join to something awake. Returns whether
+/// there are any.
+bool stirJoined(btDiscreteDynamicsWorld& world, double tick, SleepScratch& s) {
+  bool any = false;
+  for (int i = 0; i < world.getNumConstraints(); ++i) {
+    btTypedConstraint& joint = *world.getConstraint(i);
+    btRigidBody *a = &joint.getRigidBodyA(), *b = &joint.getRigidBodyB();
+    if (!joint.isEnabled()) continue;
+    for (const auto& [end, other] : {std::pair(a, b), std::pair(b, a)}) {
+      if (!SurfaceObject::from(end) || isRestless(*end, s) || !isRestless(*other, s)) continue;
+      const auto isIts = [&](const SleepBox& quiet) { return quiet.object == end; };
+      stir(*std::find_if(s.quiet.begin(), s.quiet.end(), isIts)->group, tick, s);
+      any = true;
+    }
+  }
+  return any;
+}
+
 /// Stirs all groups that something awake touches or holds, and those that these touch.
-void stirQuiet(std::vector<LinkedGroup>& groups, const MovingObjects& objects,
+void stirQuiet(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& world, const MovingObjects& objects,
                const KinematicMotions& kinematic, double tick, SleepScratch& s) {
   s.awake.clear();
   addOthersAwake(groups, objects, kinematic, tick, s);
@@ -318,7 +349,7 @@ void stirQuiet(std::vector<LinkedGroup>& groups, const MovingObjects& objects,
   std::size_t next = 0;
   do
     for (; next < s.awake.size(); ++next) stirTouched(SleepBox(s.awake[next]), tick, s);
-  while (stirInIslands(groups, tick, s));
+  while (stirInIslands(groups, tick, s) || stirJoined(world, tick, s));
 }
 
 /// Puts the groups to sleep that have been calm and left alone for long enough. Those in one of Bullet's
@@ -351,7 +382,7 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
     anyQuiet = anyQuiet || isQuiet(group);
   }
   scratch.lastTick = tick;
-  if (anyQuiet) stirQuiet(groups, objects, kinematic, double(tick), scratch);
+  if (anyQuiet) stirQuiet(groups, world, objects, kinematic, double(tick), scratch);
   if (anyQuiet) sleepTogether(groups, scratch);
   awake.clear();
   for (LinkedGroup& group : groups) {

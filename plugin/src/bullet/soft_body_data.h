@@ -140,22 +140,6 @@ struct LeftObject {
   btVector3 velocity = btVector3(0, 0, 0), spin = btVector3(0, 0, 0);
 };
 
-/// The accelerations that Bullet's constraints gave a surface object in the last tick. Where the body touches
-/// free bodies, the step predicts the same for the next one: else these would bear nothing of what the
-/// constraints hold, and the constraints would pull the body through them.
-struct JointMotion {
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s^2
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s^2
-  std::uint64_t set = kNone;                          ///< identifies the constraints, in this process only;
-                                                      ///< kUnknown after a restoration
-  std::uint64_t lastSet = kNone;                      ///< that of the last tick
-  bool touches = false;                               ///< the body has touched a free one in this tick
-
-  static constexpr std::uint64_t kNone = 0, kUnknown = 1;
-  bool isJoined() const { return set != kNone; }
-  bool isZero() const { return linear.isZero(0.0) && angular.isZero(0.0); }
-};
-
 /// The additional data of a body with Collision::Surface.
 struct SurfaceData {
   SurfaceObject* object = nullptr;  ///< nullptr: Collision::Points, or the application has deleted it
@@ -165,13 +149,10 @@ struct SurfaceData {
                                                               ///< see followRotation()
   Eigen::Vector3d objectForce = Eigen::Vector3d::Zero();      ///< N, on the object in this stepSimulation()
   Eigen::Vector3d objectTorque = Eigen::Vector3d::Zero();     ///< N m
-  bool pushed = false;       ///< the user has applied a force or torque to the object before
-  JointMotion joints;        ///< of the object
-  std::vector<double> gaps;  ///< #contacts, scratch of readObjectFromBullet()
-  PointState meanState;      ///< scratch of writeObjectToBullet() and readObjectFromBullet()
-  btVector3 gravity;         ///< m/s^2, gravity of the world that was last given to the points
-  Points force;              ///< 3 x #points, N, in this stepSimulation(); empty until exposed or first used
-  Points newForce;           ///< 3 x #points, N, since the last tick, see addForce(); empty until first used
+  bool pushed = false;  ///< the user has applied a force or torque to the object before
+  btVector3 gravity;    ///< m/s^2, gravity of the world that was last given to the points
+  Points force;         ///< 3 x #points, N, in this stepSimulation(); empty until exposed or first used
+  Points newForce;      ///< 3 x #points, N, since the last tick, see addForce(); empty until first used
   bool hasNewForce = false;
   std::vector<CachedContact> contacts;  ///< #points; empty until a kinematic object is touched
   SweptBounds sweptBounds;              ///< predicted for the coming tick; Bullet's broadphase has its box

@@ -394,7 +394,6 @@ void updateQueryBox(SoftBodyData& body) {
 void writeBoxToBullet(SoftBodyData& body, btScalar tick) {
   body.surface.sweptBounds = sweptBoundsOf(body, double(tick));
   setBox(body);
-  writeObjectToBullet(body, double(tick));
 }
 
 void finishSurface(SoftBodyData& body, btScalar tick) {
@@ -404,7 +403,7 @@ void finishSurface(SoftBodyData& body, btScalar tick) {
     body.sumsValid = false;
   }
   restoreIfUnsound(body);
-  readObjectFromBullet(body, double(tick));
+  readObject(body, double(tick));
   if (body.masses.exposed) writePoints(body);
   writeObject(body);
 }

@@ -159,7 +159,7 @@ bool updateBroadphaseBox(SoftBodyData& body, btScalar tick);
 void updateQueryBox(SoftBodyData& body);
 
 /// Sets the box for the broadphase after the step: it contains the motion of this tick and all positions that
-/// the points may have in the next one. Calls writeObjectToBullet().
+/// the points may have in the next one.
 void writeBoxToBullet(SoftBodyData& body, btScalar tick);
 
 /// Applies Bullet's linear damping to the points, reads the object, and writes the result to the point masses
@@ -183,12 +183,11 @@ void wakeSurface(SoftBodyData& body);
 
 /// The rigid body with the mass, inertia, momentum and angular momentum of the points that are not held.
 struct RigidFit {
-  double mass = 0.0;                                         ///< kg
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();          ///< m
-  Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
-  Eigen::Matrix3d factor = Eigen::Matrix3d::Zero();          ///< F with inverseInertia = F F^T
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        ///< m/s
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();            ///< rad/s
+  double mass = 0.0;                                   ///< kg
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();    ///< m
+  InverseInertia inertia;                              ///< about world axes
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();      ///< rad/s
 };
 
 /// Fits a rigid body to the present positions and velocities.
@@ -215,25 +214,16 @@ void readObject(SoftBodyData& body, double tick = 0.0);
 /// Takes the forces on the object, which Bullet does not clear at the end of a stepSimulation().
 void takeObjectForces(SoftBodyData& body);
 
-/// Adds the forces on the object, which act in all ticks of a stepSimulation(), and the accelerations by its
-/// constraints (JointMotion) to the points' accelerations,
+/// Adds the forces on the object, which act in all ticks of a stepSimulation(), to the points' accelerations,
 /// at the start of a tick.
 void accelerateByObject(SoftBodyData& body);
 
 /// Discards the forces on the object of a sleeping body: they are lost, as for Bullet's bodies.
 void dropObjectForces(SoftBodyData& body);
 
-/// Finds the constraints of the bodies' objects. Forgets the motion that others gave them.
-void findJoints(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world);
-
-/// Sets the velocity of an object in a constraint to the mean velocity of the tick without the predicted
-/// effect of its constraints, before Bullet's solver. So the solver computes all of their impulses, which
-/// also act on the partners.
-void writeObjectToBullet(SoftBodyData& body, double tick);
-
-/// Applies the constraints' change of the object from the start of the tick, after Bullet's solver, as far as
-/// it differs from the predicted one. It moves no point deeper into the surface of a contact.
-void readObjectFromBullet(SoftBodyData& body, double tick);
+/// Gives the object these velocities (m/s, rad/s) for Bullet's solver. readObject() applies what that
+/// changes.
+void offerMotion(SoftBodyData& body, const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin);
 
 }  // namespace LIMBER_BULLET_PRECISION
 }  // namespace limber

@@ -5,10 +5,6 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/point_contacts.h"
-#include "mesh/linear_algebra.h"
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 #include <cmath>
 
@@ -19,12 +15,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Minimum inertia about an axis, as a fraction of the trace of the inertia tensor. About an axis with less,
-/// such as the line of a rope, a torque causes less rotation the smaller the inertia is, and none if it is 0.
-/// Bullet stores the rotation rates about all axes in one vector of floats. The rounding error of a very fast
-/// rotation would be an impulse about the other axes.
-constexpr double kMinInertia = 1e-5;
-
 /// Number of iterations for the rotation of a body: one that rotates little in a tick, and any.
 constexpr int kRotationSteps = 4, kManyRotationSteps = 200;
 
@@ -32,26 +22,6 @@ template <class Visit>
 void forEachFree(const PointState& s, Visit visit) {
   for (Eigen::Index i = 0; i < s.position.cols(); ++i)
     if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
-}
-
-/// Minimum determinant of the inertia tensor of a round body, as a fraction of the cube of the trace. Its
-/// principal inertias are then larger than 4 times this fraction of the trace.
-constexpr double kRoundBody = 1e-3;
-
-/// Sets the inverse inertia: x / (x^2 + least^2) for each principal inertia x. If no x is small, this is the
-/// reciprocal of x with a relative error below 1e-5.
-void setInertia(RigidFit& fit, const Matrix3d& inertia) {
-  const double trace = inertia.trace(), least = kMinInertia * trace;
-  if (!(trace > 0.0)) return;
-  if (inertia.determinant() > kRoundBody * trace * trace * trace) {
-    fit.inverseInertia = inertia.inverse();
-    fit.factor = fit.inverseInertia.llt().matrixL();
-    return;
-  }
-  const SymmetricParts3 principal = symmetricParts3(inertia);
-  const Eigen::Array3d x = principal.values.array().max(0.0);
-  fit.factor = principal.vectors * (x / (x.square() + least * least)).sqrt().matrix().asDiagonal();
-  fit.inverseInertia = fit.factor * fit.factor.transpose();
 }
 
 /// Fits a rigid body to sums over offsets d from the point `from`. About the centre c, the second moments are
@@ -70,10 +40,11 @@ RigidFit fitRigid(const MotionSums& s, const Vector3d& from) {
   const double rounding = 1e-12 * second.trace();
   second -= moment * c.transpose();
   // a single free point has none
-  if (second.trace() > rounding) setInertia(fit, second.trace() * Matrix3d::Identity() - second);
+  if (second.trace() > rounding)
+    fit.inertia = inverseInertiaOf(second.trace() * Matrix3d::Identity() - second);
   fit.center = from + c;
   fit.velocity = momentum / fit.mass;
-  fit.spin = fit.inverseInertia * (Vector3d(s.angular) - c.cross(momentum));
+  fit.spin = fit.inertia.inverse * (Vector3d(s.angular) - c.cross(momentum));
   return fit;
 }
 
@@ -114,7 +85,7 @@ void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& b
     object.setCollisionFlags(flags);
   }
   object.setInvInertiaDiagLocal(btVector3(1, 1, 1));
-  object.getWorldTransform().setBasis(matrixToBullet(fit.factor));
+  object.getWorldTransform().setBasis(matrixToBullet(fit.inertia.factor));
   object.updateInertiaTensor();
   object.getWorldTransform().setBasis(basis);
   const btMatrix3x3 local = basis.transpose() * object.getInvInertiaTensorWorld() * basis;
@@ -310,12 +281,12 @@ void takeObjectForces(SoftBodyData& body) {
 void accelerateByObject(SoftBodyData& body) {
   SurfaceData& s = body.surface;
   takeObjectForces(body);
-  if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0) && s.joints.isZero()) return;
+  if (s.objectForce.isZero(0.0) && s.objectTorque.isZero(0.0)) return;
   s.sweptBounds.tick = 0.0;
   const RigidFit fit = fitRigid(body);
   if (!(fit.mass > 0.0)) return;
-  const Vector3d linear = s.objectForce / fit.mass + s.joints.linear;
-  const Vector3d angular = fit.inverseInertia * s.objectTorque + s.joints.angular;
+  const Vector3d linear = s.objectForce / fit.mass;
+  const Vector3d angular = fit.inertia.inverse * s.objectTorque;
   forEachFree(body.state, [&](Eigen::Index i, double) {
     body.state.acceleration.col(i) +=
         linear + angular.cross(Vector3d(body.state.position.col(i) - fit.center));
@@ -328,128 +299,10 @@ void dropObjectForces(SoftBodyData& body) {
     object->clearForces();
 }
 
-void findJoints(const std::vector<SoftBodyData*>& bodies, btDiscreteDynamicsWorld& world) {
-  constexpr std::uint64_t kPrime = 0x100000001b3u;
-  for (SoftBodyData* body : bodies) {
-    JointMotion& joints = body->surface.joints;
-    joints.lastSet = joints.set;
-    joints.set = JointMotion::kNone;
-  }
-  for (int i = 0; i < world.getNumConstraints(); ++i) {
-    btTypedConstraint& joint = *world.getConstraint(i);
-    if (!joint.isEnabled()) continue;
-    for (btRigidBody* end : {&joint.getRigidBodyA(), &joint.getRigidBodyB()}) {
-      SurfaceObject* object = SurfaceObject::from(end);
-      if (!object || !object->owner() || object->owner()->asleep) continue;
-      std::uint64_t& set = object->owner()->surface.joints.set;
-      set = kPrime * set + reinterpret_cast<std::uintptr_t>(&joint);
-    }
-  }
-  for (SoftBodyData* body : bodies) {
-    JointMotion& joints = body->surface.joints;
-    if (joints.set == joints.lastSet || (joints.isJoined() && joints.lastSet == JointMotion::kUnknown))
-      continue;
-    joints.linear.setZero();
-    joints.angular.setZero();
-  }
-}
-
-void writeObjectToBullet(SoftBodyData& body, double tick) {
-  const JointMotion& joints = body.surface.joints;
-  if (!joints.isJoined()) return;
-  const Points& start = body.masses.startPosition;
-  PointState& mean = body.surface.meanState;
-  mean.position = start;
-  mean.velocity = (body.state.position - start) / tick;
-  mean.inverseMass = body.state.inverseMass;
-  const RigidFit motion = fitRigid(motionSums(mean, start, body.model->rest), start.col(0));
-  body.surface.object->setLinearVelocity(toBullet(motion.velocity - tick * joints.linear));
-  body.surface.object->setAngularVelocity(toBullet(motion.spin - tick * joints.angular));
+void offerMotion(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin) {
+  body.surface.object->setLinearVelocity(toBullet(velocity));
+  body.surface.object->setAngularVelocity(toBullet(spin));
   leave(body);
-}
-
-namespace {
-
-/// Share of the radius by which a constraint may move points without a search for walls in their way.
-constexpr double kUnsearchedMotion = 0.25;
-
-/// Finds the rigid surface that a point on its way hits first.
-struct FirstWall final : btCollisionWorld::ClosestRayResultCallback {
-  FirstWall(const SoftBodyData& b, std::uint32_t i, const Vector3d& from, const Vector3d& to)
-      : ClosestRayResultCallback(toBullet(from), toBullet(to)), body(&b), point(i) {}
-  const SoftBodyData* body;
-  std::uint32_t point;
-
-  bool needsCollision(btBroadphaseProxy* proxy) const override {
-    const auto& object = *static_cast<const btCollisionObject*>(proxy->m_clientObject);
-    return !isSoft(&object) && canHit(*body, object) && canHit(*body, point, object);
-  }
-};
-
-/// Moves a point, which a constraint has moved from `before` through a wall, back to its front. Returns
-/// whether there was one.
-bool stopAtWall(SoftBodyData& body, std::uint32_t i, const Vector3d& before) {
-  auto x = body.state.position.col(i);
-  const double radius = radiusOf(body);
-  const Vector3d direction = Vector3d(x - before).stableNormalized();
-  FirstWall wall(body, i, before, x + radius * direction);
-  {
-    // the broadphase has one stack for all rays
-    const std::lock_guard<std::mutex> lock(*body.worldLock);
-    body.world->rayTest(wall.m_rayFromWorld, wall.m_rayToWorld, wall);
-  }
-  const Vector3d normal = toEigen(wall.m_hitNormalWorld), place = toEigen(wall.m_hitPointWorld);
-  if (!wall.hasHit() || !(normal.dot(direction) < 0.0)) return false;
-  const double gap = normal.dot(x - place), allowed = std::min(radius, normal.dot(before - place));
-  if (!(gap < allowed)) return false;
-  x += (allowed - gap) * normal;
-  return true;
-}
-
-/// Number of walls that stop a point: two, in an edge of a room.
-constexpr int kMostWalls = 2;
-
-/// Constraints of Bullet know nothing of the contacts of soft bodies: a mouse that pulls a body through a
-/// wall would leave its points behind it.
-void stopAtWalls(SoftBodyData& body, const Points& before) {
-  const double longest = (body.state.position - before).colwise().norm().maxCoeff();
-  if (!(longest > kUnsearchedMotion * radiusOf(body))) return;
-  forEachFree(body.state, [&](Eigen::Index i, double) {
-    for (int n = 0; n < kMostWalls && stopAtWall(body, static_cast<std::uint32_t>(i), before.col(i));) ++n;
-  });
-}
-
-}  // namespace
-
-void readObjectFromBullet(SoftBodyData& body, double tick) {
-  SurfaceData& surface = body.surface;
-  const JointMotion predicted = surface.joints;
-  if (!predicted.isJoined() || (predicted.isZero() && !isObjectChanged(body))) return readObject(body);
-  LeftObject& left = surface.left;
-  surface.joints.linear.setZero(), surface.joints.angular.setZero();
-  if (isMotionFinite(*surface.object) && surface.joints.touches) {
-    surface.joints.linear = difference(surface.object->getLinearVelocity(), left.velocity) / tick;
-    surface.joints.angular = difference(surface.object->getAngularVelocity(), left.spin) / tick;
-  }
-  // the step has already made the predicted part of the change
-  left.velocity += toBullet(tick * predicted.linear);
-  left.spin += toBullet(tick * predicted.angular);
-  const auto gapOf = [&](const PlaneContact& row) {
-    return row.normal.dot(body.state.position.col(row.point) - row.touch - tick * row.surfaceVelocity);
-  };
-  std::vector<double>& gaps = body.surface.gaps;
-  gaps.clear();
-  for (const PlaneContact& row : body.contacts) gaps.push_back(std::min(gapOf(row), 0.0));
-  Points& before = body.surface.meanState.position;
-  before = body.state.position;
-  readObject(body, tick);
-  stopAtWalls(body, before);
-  for (std::size_t r = 0; r < body.contacts.size(); ++r) {
-    const PlaneContact& row = body.contacts[r];
-    const double deeper = gaps[r] - gapOf(row);
-    if (deeper > 0.0) body.state.position.col(row.point) += deeper * row.normal;
-  }
-  body.sumsValid = false;
 }
 
 }  // namespace LIMBER_BULLET_PRECISION

@@ -141,7 +141,6 @@ void SoftBodySystem::Impl::WorldStep::findAwake(btScalar tick) {
   moving.clear();
   for (const LinkedGroup* group : awake)
     moving.insert(moving.end(), group->bodies.begin(), group->bodies.end());
-  findJoints(moving, *world);
   parallel.setWorthwhile(isMuch(moving, parallel.fromSprings()));
 }
 

@@ -145,7 +145,6 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
   for (SoftBodyData* body : bodies) {
     body->storedImpulses.clear();
     body->surface.release = 0.0;
-    body->surface.joints.touches = false;
     for (std::size_t i = 0; i < body->contacts.size(); ++i) {
       const PlaneContact& row = body->contacts[i];
       if (!(row.impulse.along > 0.0)) continue;
@@ -157,9 +156,6 @@ void storeImpulses(const std::vector<SoftBodyData*>& bodies, const TickContacts&
     if (!c.source.body) continue;
     store(*c.source.body, c.source.partner, c.source.key, c);
     noteReleases(c, contacts.tick);
-    if (!(c.impulse.along > 0.0) || c.b.kind == ContactPoint::Kind::World) continue;
-    c.source.body->surface.joints.touches = true;
-    if (c.source.other) c.source.other->surface.joints.touches = true;
   }
   for (SoftBodyData* body : bodies) sortImpulses(body->storedImpulses);
 }
@@ -400,6 +396,7 @@ void gatherContactsOf(btDiscreteDynamicsWorld& world, std::uint32_t number, Rigi
 void gatherRigidContacts(btDiscreteDynamicsWorld& world, const MovingObjects& objects, btScalar tick,
                          RigidManifolds& index, TickContacts& found) {
   startTick(index);
+  addJointedSurfaces(world, found);
   if (found.rigids.empty()) return;
   fill(index, world);
   const double reach = longestWay(objects, double(tick));
@@ -407,6 +404,8 @@ void gatherRigidContacts(btDiscreteDynamicsWorld& world, const MovingObjects& ob
   std::uint32_t next = 0;
   do {
     for (; next < found.rigids.size(); ++next) {
+      // those of soft bodies are found apart
+      if (SurfaceObject::from(found.rigids[next].body)) continue;
       gatherContactsOf(world, next, index, tick, found);
       addComingContacts(world, next, reach, speeds, index, found);
     }

@@ -231,8 +231,11 @@ void reportRigidContacts(TickContacts& contacts);
 
 // --- their joints ------------------------------------------------------------------------------------------
 
-/// Adds the free bodies that joints (Bullet's enabled constraints) join to bodies in found.rigids. Returns
-/// whether any body was added.
+/// Adds the surface objects of awake soft bodies that joints (Bullet's enabled constraints) hold. In the step
+/// each is a rigid body that stands for all points: see BodyFrame.
+void addJointedSurfaces(btDiscreteDynamicsWorld& world, TickContacts& found);
+
+/// Adds the free bodies that joints join to bodies in found.rigids. Returns whether any body was added.
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found);
 
 /// Adds the constraint rows of all joints of found.rigids, as Bullet's solver would make them for a tick. The
@@ -247,6 +250,7 @@ void addRollingRows(const btCollisionObject& a, const btCollisionObject& b, cons
 struct DisabledDrives {
   btTypedConstraint* joint;
   std::uint32_t drives;  ///< one bit for each motor or spring that was enabled
+  btScalar clamp;        ///< of a btPoint2PointConstraint: its impulse clamp
 };
 
 /// Disables the motors and springs whose rows are in `found` until Bullet's solver has run. Otherwise the

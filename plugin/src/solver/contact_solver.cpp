@@ -263,6 +263,7 @@ struct Solve {
       j.before = impulse(j);
       j.direction = 0.0;
     }
+    pushFrames(bodies);
     for (LinkAnchor& anchor : bodies.anchors) {
       apply(anchor, impulse(anchor));
       anchor.direction.setZero();
@@ -356,12 +357,14 @@ struct Solve {
 
   SweepChange sweepJoints(bool free) const {
     SweepChange change;
+    fitFrameVelocities(bodies);
     for (JointConstraint& j : rows.joints) {
       if (j.mass == 0.0) continue;
       if (free && j.contact != JointConstraint::kHeld) limitRolling(j);
       solveJoint(bodies, j, rows.pressed ? kSoftness : 0.0, impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }
+    pushFrames(bodies);
     for (const AnchorSet& set : bodies.anchorSets) {
       findChanges(bodies, set, dt);
       for (std::uint32_t k = set.begin; k < set.end; ++k) {
@@ -424,6 +427,7 @@ struct Solve {
 
   void stepAlongDirections(double beta) const {
     for (JointConstraint& j : rows.joints) stepAlongDirection(j, beta);
+    pushFrames(bodies);
     for (LinkAnchor& anchor : bodies.anchors) stepAlongDirection(anchor, beta);
     forEachSet([&](RowSet& set) {
       for (std::uint32_t k = set.begin; k < set.begin + set.sweptCount; ++k) {
@@ -516,7 +520,9 @@ void holdJoints(IslandConstraints& rows, LinkedBodies& bodies) {
 int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, Team& team, double dt, double tick) {
   if (!startSolve(rows, bodies)) return 0;
   aimAnchors(bodies, dt, tick);
-  return Solve{rows, bodies, team, Stage::Positions, dt, tick}.run();
+  const int sweeps = Solve{rows, bodies, team, Stage::Positions, dt, tick}.run();
+  fitFrameVelocities(bodies);
+  return sweeps;
 }
 
 int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies, Team& team) {

@@ -5,6 +5,7 @@
 #include "mesh/linear_algebra.h"
 #include "solver/springs.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -92,6 +93,108 @@ Eigen::Vector3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Qua
   const double sine = q.vec().norm();
   const double ratio = sine < 1e-8 ? 2.0 : 2.0 * std::atan2(sine, q.w()) / sine;
   return ratio * q.vec();
+}
+
+// --- soft bodies as a whole --------------------------------------------------------------------------------
+
+namespace {
+
+/// Minimum inertia about an axis, as a fraction of the trace of the inertia tensor. About an axis with less,
+/// such as the line of a rope, a torque causes less rotation the smaller the inertia is, and none if it is 0.
+/// Bullet stores the rotation rates about all axes in one vector of floats. The rounding error of a very fast
+/// rotation would be an impulse about the other axes.
+constexpr double kMinInertia = 1e-5;
+
+/// Minimum determinant of the inertia tensor of a round body, as a fraction of the cube of the trace. Its
+/// principal inertias are then larger than 4 times this fraction of the trace, and the plain inverse has a
+/// relative difference below 1e-5.
+constexpr double kRoundBody = 1e-3;
+
+/// Calls visit(i, m) for the points that are not held, with their masses (kg).
+template <class Visit>
+void forEachFree(const LinkedBodies& bodies, const BodyFrame& frame, Visit visit) {
+  const PointView& points = bodies.views[frame.body];
+  const auto count = static_cast<std::uint32_t>(bodies.points[frame.body]->position.cols());
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (const double inverse = points.inverseMassOf(i).maxCoeff(); inverse > 0.0) visit(i, 1.0 / inverse);
+}
+
+void fitPlace(LinkedBodies& bodies, const BodyFrame& frame) {
+  RigidState& rigid = bodies.rigids[frame.rigid];
+  const PointView& points = bodies.views[frame.body];
+  const Eigen::Vector3d from = points.positionOf(0);
+  double mass = 0.0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  forEachFree(bodies, frame, [&](std::uint32_t i, double m) {
+    const Eigen::Vector3d d = points.positionOf(i) - from;
+    mass += m;
+    moment += m * d;
+    second += m * d * d.transpose();
+  });
+  rigid.inverseMass.setZero();
+  rigid.inverseInertia.setZero();
+  if (mass == 0.0) return;
+  rigid.position = from + moment / mass;
+  rigid.inverseMass.setConstant(1.0 / mass);
+  const double rounding = 1e-12 * second.trace();
+  second -= moment * moment.transpose() / mass;
+  // a single free point has none
+  if (second.trace() > rounding)
+    rigid.inverseInertia = inverseInertiaOf(second.trace() * Eigen::Matrix3d::Identity() - second).inverse;
+}
+
+}  // namespace
+
+InverseInertia inverseInertiaOf(const Eigen::Matrix3d& inertia) {
+  InverseInertia result;
+  const double trace = inertia.trace(), least = kMinInertia * trace;
+  if (!(trace > 0.0)) return result;
+  if (inertia.determinant() > kRoundBody * trace * trace * trace) {
+    result.inverse = inertia.inverse();
+    result.factor = result.inverse.llt().matrixL();
+    return result;
+  }
+  const SymmetricParts3 principal = symmetricParts3(inertia);
+  const Eigen::Array3d x = principal.values.array().max(0.0);
+  result.factor = principal.vectors * (x / (x.square() + least * least)).sqrt().matrix().asDiagonal();
+  result.inverse = result.factor * result.factor.transpose();
+  return result;
+}
+
+void fitFrames(LinkedBodies& bodies) {
+  for (const BodyFrame& frame : bodies.frames) fitPlace(bodies, frame);
+  fitFrameVelocities(bodies);
+}
+
+void fitFrameVelocities(LinkedBodies& bodies) {
+  for (BodyFrame& frame : bodies.frames) {
+    RigidState& rigid = bodies.rigids[frame.rigid];
+    const PointView& points = bodies.views[frame.body];
+    Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), angular = momentum;
+    forEachFree(bodies, frame, [&](std::uint32_t i, double m) {
+      const Eigen::Vector3d p = m * points.velocityOf(i);
+      momentum += p;
+      angular += (points.positionOf(i) - rigid.position).cross(p);
+    });
+    frame.velocity = rigid.velocity = rigid.inverseMass.cwiseProduct(momentum);
+    frame.spin = rigid.angularVelocity = rigid.inverseInertia * angular;
+  }
+}
+
+void pushFrames(LinkedBodies& bodies) {
+  for (BodyFrame& frame : bodies.frames) {
+    const RigidState& rigid = bodies.rigids[frame.rigid];
+    const PointView& points = bodies.views[frame.body];
+    const Eigen::Vector3d velocity = rigid.velocity - frame.velocity;
+    const Eigen::Vector3d spin = rigid.angularVelocity - frame.spin;
+    forEachFree(bodies, frame, [&](std::uint32_t i, double) {
+      const auto moves = points.inverseMassOf(i).array() > 0.0;
+      const Eigen::Vector3d change = velocity + spin.cross(points.positionOf(i) - rigid.position);
+      points.velocityOf(i) += moves.select(change, 0.0).matrix();
+    });
+    frame.velocity = rigid.velocity, frame.spin = rigid.angularVelocity;
+  }
 }
 
 // --- links -------------------------------------------------------------------------------------------------

@@ -33,6 +33,7 @@ struct RigidState {
   Eigen::Vector3d inverseInertiaLocal = Eigen::Vector3d::Zero();  ///< 1/(kg m^2), principal axes
   Eigen::Vector3d angularFactor = Eigen::Vector3d::Ones();        ///< 0 locks a world axis
   bool gyroscopic = false;  ///< its unequal moments of inertia change its angular velocity
+  bool isFrame = false;     ///< stands for a soft body, whose points have its mass: see BodyFrame
   Eigen::Vector3d force = Eigen::Vector3d::Zero();           ///< N, from springs
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();          ///< N m, from springs
   Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes, see turn()
@@ -68,6 +69,15 @@ struct RigidState {
     return m;
   }
 };
+
+/// The inverse of the inertia tensor (kg m^2) of points, and F with inverse = F F^T.
+struct InverseInertia {
+  Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero(), factor = Eigen::Matrix3d::Zero();
+};
+
+/// For each principal inertia x the inverse is x / (x^2 + least^2), with a small share of the tensor's trace:
+/// about the line of a rope it is 0.
+InverseInertia inverseInertiaOf(const Eigen::Matrix3d& inertia);
 
 /// Returns the rotation by |v| radians about v.
 Eigen::Quaterniond rotationBy(const Eigen::Vector3d& v);
@@ -131,11 +141,21 @@ struct AnchorSet {
   bool isSingle() const { return end - begin == 1; }
 };
 
+/// A soft body as a whole, on which joints act like on a rigid body: it has the mass, inertia, momentum and
+/// angular momentum of the points that are not held, and its impulses move all of them as a rigid body moves.
+struct BodyFrame {
+  std::uint32_t body = 0;   ///< index into LinkedBodies::points
+  std::uint32_t rigid = 0;  ///< index into LinkedBodies::rigids
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(),
+                  spin = Eigen::Vector3d::Zero();  ///< m/s and rad/s of the rigid body that the points have
+};
+
 /// Soft and rigid bodies that links join and that are stepped together.
 struct LinkedBodies {
   std::vector<PointState*> points;
   std::vector<PointView> views;  ///< during a step: where it has the points of each body; else empty
   std::vector<RigidState> rigids;
+  std::vector<BodyFrame> frames;
   std::vector<LinkSpring> springs;
   std::vector<LinkAnchor> anchors;
 
@@ -189,6 +209,15 @@ void applyImpulse(LinkedBodies& bodies, const LinkAnchor& anchor, const Eigen::V
 
 /// Makes the velocities of points and pivots equal, without regard to contacts.
 void joinVelocities(LinkedBodies& bodies);
+
+/// Gives the frames' rigid bodies the place, mass, inertia and velocities of the points.
+void fitFrames(LinkedBodies& bodies);
+
+/// Gives them the velocities of the points, which are where they were at the last fitFrames().
+void fitFrameVelocities(LinkedBodies& bodies);
+
+/// Gives the points the changes of the rigid bodies' velocities since the last fit.
+void pushFrames(LinkedBodies& bodies);
 
 /// Returns the world position (m) of an end.
 Eigen::Vector3d endPosition(const LinkedBodies& bodies, const LinkEnd& end);

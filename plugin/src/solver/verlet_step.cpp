@@ -361,6 +361,7 @@ void prepare(SolverIsland& group) {
     if (group.inStep[i].inBatches) packPlanes(group.bodies[i]);
   }
   for (RigidState& rigid : group.links.rigids) rigid.turn();
+  fitFrames(group.links);
   prepareAnchors(group.links);
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
   for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
@@ -396,6 +397,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     turnSurfaces(group.pairs, (s + 0.5) * dt);
     kickAndStop(group, team, s * dt, dt);
     followContacts(group.pairs, group.links, team, dt);
+    fitFrames(group.links);
     turnJoints(group.pairs, group.links, dt);
     solvePositions(group.pairs, group.links, team, dt, tick);
     updateGaps(group.pairs, team, dt);
@@ -407,6 +409,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     // away from its anchor or contact
     kickAndSettle(group, team, dt);
     followContacts(group.pairs, group.links, team, 0.0);
+    fitFrames(group.links);
     turnJoints(group.pairs, group.links, 0.0);
     solveVelocities(group.pairs, group.links, team);
     sumAnchorImpulses(group.links);
