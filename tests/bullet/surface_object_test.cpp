@@ -298,16 +298,16 @@ TEST(SurfaceObjects, aPointToPointConstraintHoldsThemAsRigidBodies) {
     const btVector3 softPivot = t.object->getCenterOfMassTransform() * pivot;
     const btVector3 twinPivot = t.twin->getCenterOfMassTransform() * pivot;
     // the pivot of the twin itself moves by up to a centimetre
-    ASSERT_LT(double((softPivot - vec(0.5, 2.5, 0.5)).length()), 0.02)
+    ASSERT_LT(double((softPivot - vec(0.5, 2.5, 0.5)).length()), 0.001)
         << "tick " << i << ", the twin: " << double((twinPivot - vec(0.5, 2.5, 0.5)).length());
     energy = energyOf(*t.soft) + kMass * 9.81 * (t.soft->centerOfMass().y() - 2);
-    // energy does not rise; the rigid twin itself has an error of some per cent of the 17 J of its swing
-    ASSERT_LT(energy, 1.0) << "tick " << i;
+    // of the 17 J of its swing; the rigid twin has an error of some per cent
+    ASSERT_LT(energy, 0.02) << "tick " << i;
     if (i < 60) {
       ASSERT_LT((t.soft->centerOfMass() - eigen(t.twin->getCenterOfMassPosition())).norm(), 0.05) << i;
     }
   }
-  EXPECT_GT(energy, -6.0);
+  EXPECT_GT(energy, -0.2);
   t.world.world->removeConstraint(joints[0].get());
   t.twinWorld.world->removeConstraint(joints[1].get());
 }
@@ -344,10 +344,9 @@ TEST(SurfaceObjects, picksDoNotPullThemThroughWalls) {
 }
 
 /// A shelf bears a box, and a box on a soft cube stands on a plank: the joints' forces act in the same step
-/// as the contacts. They used to act after it, and pulled the shelf and the cube through what they touched.
-// At 1/60 s a cube that carries five times its mass by a joint hops, by up to 0.2 m.
+/// as the contacts.
 TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
-  for (const double tick : {1.0 / 240, 1.0 / 120, 1.0 / 60})
+  for (const double tick : {1.0 / 240, 1.0 / 120, 1.0 / 60, 1.0 / 15})
     for (const double mass : {0.2, 1.0, 5.0}) {
       SoftWorld bullet;
       bullet.addPlaneFloor();
@@ -372,7 +371,8 @@ TEST(SurfaceObjects, jointedOnesBearFreeBodiesAndStandOnThem) {
       SCOPED_TRACE(testing::Message() << mass << " kg, " << tick << " s");
       EXPECT_NEAR(heightOf(*load), 2.7 + radius, 0.02);
       EXPECT_GT(lowest(*cube), heightOf(*plank) + 0.1 + radius - 0.02);
-      EXPECT_NEAR(heightOf(*top), 1.5, mass * tick > 0.05 ? 0.25 : 0.06);
+      // of a sphere above the plank's surface
+      EXPECT_NEAR(heightOf(*top), 1.5 + radius, 0.005);
       bullet.world->removeConstraint(&hung);
       bullet.world->removeConstraint(&carried);
     }
@@ -457,8 +457,96 @@ TEST(SurfaceObjects, aJointKeepsMomentumAndAngularMomentum) {
       // within the rounding of Bullet's floats
       ASSERT_LT((pair.softMomentum() - momentum).norm(), 2e-4) << "tick " << i;
     }
-    const double twinError = (pair.twinSpin() - spin).norm();
-    EXPECT_LT((pair.softSpin() - spin).norm(), twinError + 0.02 * spin.norm()) << "the twin's: " << twinError;
+    EXPECT_LT((pair.softSpin() - spin).norm(), 1e-3 * spin.norm())
+        << "the twin's: " << (pair.twinSpin() - spin).norm();
+  }
+}
+
+/// Five cubes on hinges of one axis, let go from the horizontal at 1/15 s.
+TEST(SurfaceObjects, chainsOfJointedOnesKeepTogetherAndGainNoEnergy) {
+  for (const double tick : {1.0 / 60, 1.0 / 15}) {
+    SoftWorld bullet;
+    std::vector<SoftBody*> cubes;
+    std::vector<std::unique_ptr<btTypedConstraint>> joints;
+    const btVector3 left = vec(-0.6, 0, 0), right = vec(0.6, 0, 0), axis = vec(0, 0, 1);
+    for (int i = 0; i < 5; ++i) {
+      cubes.push_back(bullet.addSoft(closedCubeNetwork(), cubeSettings({1.2 * i, 10, 0}, 2e4)));
+      btRigidBody& object = *cubes.back()->surfaceObject();
+      if (i == 0)
+        joints.push_back(std::make_unique<btHingeConstraint>(object, left, axis));
+      else
+        joints.push_back(std::make_unique<btHingeConstraint>(*cubes[cubes.size() - 2]->surfaceObject(),
+                                                             object, right, left, axis, axis));
+      bullet.world->addConstraint(joints.back().get(), true);
+    }
+    double start = 0.0, lowest = 0.0;
+    for (const SoftBody* cube : cubes) start += kMass * 9.81 * cube->centerOfMass().y();
+    for (double t = 0.0; t < 4.0; t += tick) {
+      bullet.world->stepSimulation(btScalar(tick), 0);
+      double energy = -start;
+      for (SoftBody* cube : cubes) energy += energyOf(*cube) + kMass * 9.81 * cube->centerOfMass().y();
+      ASSERT_LT(energy, 0.01) << t << " s";
+      lowest = std::min(lowest, cubes.back()->centerOfMass().y() - 10.0);
+      for (std::size_t i = 1; i < cubes.size(); ++i) {
+        const btVector3 apart = cubes[i - 1]->surfaceObject()->getWorldTransform() * right -
+                                cubes[i]->surfaceObject()->getWorldTransform() * left;
+        // turning by up to a radian in a tick
+        ASSERT_LT(double(apart.length()), 10.0 * tick * tick) << t << " s";
+      }
+    }
+    EXPECT_LT(lowest, -5.0);
+    for (const auto& joint : joints) bullet.world->removeConstraint(joint.get());
+  }
+}
+
+/// Half of its weight: it falls at g / 2.
+TEST(SurfaceObjects, aClampLimitsTheImpulseOfATick) {
+  for (const double tick : {1.0 / 240, 1.0 / 15}) {
+    SoftWorld bullet;
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeSettings({0, 0, 0}));
+    btPoint2PointConstraint joint(*cube->surfaceObject(), vec(0, 0, 0));
+    const auto clamp = static_cast<btScalar>(0.5 * kMass * 9.81 * tick);
+    joint.m_setting.m_impulseClamp = clamp;
+    bullet.world->addConstraint(&joint, true);
+    for (int i = 0; i < 15; ++i) bullet.world->stepSimulation(btScalar(tick), 0);
+    EXPECT_NEAR(cube->linearMomentum().y(), -0.5 * kMass * 9.81 * 15 * tick, 1e-4) << tick;
+    EXPECT_EQ(joint.m_setting.m_impulseClamp, clamp);
+    bullet.world->removeConstraint(&joint);
+  }
+}
+
+/// A cube that bears ten times its mass by a joint, and one that hangs.
+TEST(SurfaceObjects, theySleepTogetherWithWhatIsJoinedToThem) {
+  for (const double tick : {1.0 / 60, 1.0 / 15}) {
+    SoftWorld bullet;
+    bullet.addPlaneFloor();
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), cubeSettings({0, 0.5 + kRadius, 0}));
+    SoftBody* hanging = bullet.addSoft(closedCubeNetwork(), cubeSettings({5, 3, 0}));
+    btRigidBody* load = bullet.addBox(vec(0.3, 0.1, 0.3), 10 * kMass, vec(0, 1.5, 0));
+    btTransform up = btTransform::getIdentity();
+    up.setOrigin(vec(0, 1 - kRadius, 0));
+    btFixedConstraint carried(*cube->surfaceObject(), *load, up, btTransform::getIdentity());
+    btPoint2PointConstraint held(*hanging->surfaceObject(), vec(0, 0.5, 0));
+    bullet.world->addConstraint(&carried, true);
+    bullet.world->addConstraint(&held, true);
+    double lowestLoad = HUGE_VAL;
+    for (double t = 0.0; t < 8.0; t += tick) {
+      bullet.world->stepSimulation(btScalar(tick), 0);
+      if (t > 1.5) lowestLoad = std::min(lowestLoad, heightOf(*load));
+    }
+    SCOPED_TRACE(testing::Message() << tick << " s");
+    EXPECT_TRUE(cube->sleeping());
+    EXPECT_TRUE(hanging->sleeping());
+    EXPECT_FALSE(load->isActive());
+    // nothing moved while it went to sleep; the springs yield by F / k, some per mille of their length
+    EXPECT_NEAR(lowestLoad, heightOf(*load), 1e-3);
+    EXPECT_NEAR(heightOf(*load), 1.5, 0.01);
+    load->activate(true);
+    load->setLinearVelocity(vec(1, 0, 0));
+    bullet.world->stepSimulation(btScalar(tick), 0);
+    EXPECT_FALSE(cube->sleeping());
+    bullet.world->removeConstraint(&carried);
+    bullet.world->removeConstraint(&held);
   }
 }
 

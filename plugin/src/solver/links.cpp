@@ -110,35 +110,37 @@ constexpr double kMinInertia = 1e-5;
 /// relative difference below 1e-5.
 constexpr double kRoundBody = 1e-3;
 
-/// Calls visit(i, m) for the points that are not held, with their masses (kg).
-template <class Visit>
-void forEachFree(const LinkedBodies& bodies, const BodyFrame& frame, Visit visit) {
+/// Lists the points with their offsets from point 0 in place of moment arms.
+void listPoints(LinkedBodies& bodies, BodyFrame& frame) {
   const PointView& points = bodies.views[frame.body];
   const auto count = static_cast<std::uint32_t>(bodies.points[frame.body]->position.cols());
+  frame.begin = static_cast<std::uint32_t>(bodies.framePoints.size());
   for (std::uint32_t i = 0; i < count; ++i)
-    if (const double inverse = points.inverseMassOf(i).maxCoeff(); inverse > 0.0) visit(i, 1.0 / inverse);
+    if (const double inverse = points.inverseMassOf(i).maxCoeff(); inverse > 0.0)
+      bodies.framePoints.push_back({i, 1.0 / inverse, points.positionOf(i) - points.positionOf(0)});
+  frame.end = static_cast<std::uint32_t>(bodies.framePoints.size());
 }
 
 void fitPlace(LinkedBodies& bodies, const BodyFrame& frame) {
   RigidState& rigid = bodies.rigids[frame.rigid];
-  const PointView& points = bodies.views[frame.body];
-  const Eigen::Vector3d from = points.positionOf(0);
   double mass = 0.0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  forEachFree(bodies, frame, [&](std::uint32_t i, double m) {
-    const Eigen::Vector3d d = points.positionOf(i) - from;
-    mass += m;
-    moment += m * d;
-    second += m * d * d.transpose();
-  });
+  for (std::uint32_t k = frame.begin; k < frame.end; ++k) {
+    const FramePoint& p = bodies.framePoints[k];
+    mass += p.mass;
+    moment += p.mass * p.arm;
+    second += p.mass * p.arm * p.arm.transpose();
+  }
   rigid.inverseMass.setZero();
   rigid.inverseInertia.setZero();
   if (mass == 0.0) return;
-  rigid.position = from + moment / mass;
+  const Eigen::Vector3d center = moment / mass;
+  for (std::uint32_t k = frame.begin; k < frame.end; ++k) bodies.framePoints[k].arm -= center;
+  rigid.position = bodies.views[frame.body].positionOf(0) + center;
   rigid.inverseMass.setConstant(1.0 / mass);
   const double rounding = 1e-12 * second.trace();
-  second -= moment * moment.transpose() / mass;
+  second -= moment * center.transpose();
   // a single free point has none
   if (second.trace() > rounding)
     rigid.inverseInertia = inverseInertiaOf(second.trace() * Eigen::Matrix3d::Identity() - second).inverse;
@@ -163,7 +165,11 @@ InverseInertia inverseInertiaOf(const Eigen::Matrix3d& inertia) {
 }
 
 void fitFrames(LinkedBodies& bodies) {
-  for (const BodyFrame& frame : bodies.frames) fitPlace(bodies, frame);
+  bodies.framePoints.clear();
+  for (BodyFrame& frame : bodies.frames) {
+    listPoints(bodies, frame);
+    fitPlace(bodies, frame);
+  }
   fitFrameVelocities(bodies);
 }
 
@@ -172,11 +178,12 @@ void fitFrameVelocities(LinkedBodies& bodies) {
     RigidState& rigid = bodies.rigids[frame.rigid];
     const PointView& points = bodies.views[frame.body];
     Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), angular = momentum;
-    forEachFree(bodies, frame, [&](std::uint32_t i, double m) {
-      const Eigen::Vector3d p = m * points.velocityOf(i);
-      momentum += p;
-      angular += (points.positionOf(i) - rigid.position).cross(p);
-    });
+    for (std::uint32_t k = frame.begin; k < frame.end; ++k) {
+      const FramePoint& p = bodies.framePoints[k];
+      const Eigen::Vector3d own = p.mass * points.velocityOf(p.point);
+      momentum += own;
+      angular += p.arm.cross(own);
+    }
     frame.velocity = rigid.velocity = rigid.inverseMass.cwiseProduct(momentum);
     frame.spin = rigid.angularVelocity = rigid.inverseInertia * angular;
   }
@@ -188,11 +195,12 @@ void pushFrames(LinkedBodies& bodies) {
     const PointView& points = bodies.views[frame.body];
     const Eigen::Vector3d velocity = rigid.velocity - frame.velocity;
     const Eigen::Vector3d spin = rigid.angularVelocity - frame.spin;
-    forEachFree(bodies, frame, [&](std::uint32_t i, double) {
-      const auto moves = points.inverseMassOf(i).array() > 0.0;
-      const Eigen::Vector3d change = velocity + spin.cross(points.positionOf(i) - rigid.position);
-      points.velocityOf(i) += moves.select(change, 0.0).matrix();
-    });
+    if (velocity.isZero(0.0) && spin.isZero(0.0)) continue;
+    for (std::uint32_t k = frame.begin; k < frame.end; ++k) {
+      const FramePoint& p = bodies.framePoints[k];
+      const auto moves = points.inverseMassOf(p.point).array() > 0.0;
+      points.velocityOf(p.point) += moves.select(velocity + spin.cross(p.arm), 0.0).matrix();
+    }
     frame.velocity = rigid.velocity, frame.spin = rigid.angularVelocity;
   }
 }

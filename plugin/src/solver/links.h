@@ -148,6 +148,14 @@ struct BodyFrame {
   std::uint32_t rigid = 0;  ///< index into LinkedBodies::rigids
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(),
                   spin = Eigen::Vector3d::Zero();  ///< m/s and rad/s of the rigid body that the points have
+  std::uint32_t begin = 0, end = 0;                ///< in LinkedBodies::framePoints
+};
+
+/// A point of a BodyFrame that is not held.
+struct FramePoint {
+  std::uint32_t point;
+  double mass;          ///< kg
+  Eigen::Vector3d arm;  ///< m, from the centre of mass
 };
 
 /// Soft and rigid bodies that links join and that are stepped together.
@@ -156,6 +164,7 @@ struct LinkedBodies {
   std::vector<PointView> views;  ///< during a step: where it has the points of each body; else empty
   std::vector<RigidState> rigids;
   std::vector<BodyFrame> frames;
+  std::vector<FramePoint> framePoints;  ///< written by fitFrames()
   std::vector<LinkSpring> springs;
   std::vector<LinkAnchor> anchors;
 
