@@ -47,6 +47,7 @@ class Writer {
   void surroundings(int frames);
   void changes(int frames);
   void joins(int frames);
+  void surfaceJoints();
   void studs();
   void userStep(int at);
   bool mayBePulled(int soft) const;
@@ -520,6 +521,29 @@ void Writer::joins(int frames) {
   }
 }
 
+/// Joints of soft bodies with others and with the world. In closed stories none drives. Has dice of its own,
+/// too. Two rigid boxes on a btFixedConstraint explode in Bullet's NNCG solver.
+void Writer::surfaceJoints() {
+  Dice dice(story_.seed + 0x301e);
+  if (story_.steps[0].choice("solver") == "nncg") return;
+  std::vector<int> others = {0};
+  for (const Step& s : story_.steps)
+    if (s.kind == Kind::Soft || s.kind == Kind::Rigid) others.push_back(s.id);
+  for (int i = dice.of({0, 0, 0, 1, 2}); i > 0; --i) {
+    Step& s = addObject(Kind::Joint, wild() && dice.chance(0.3) ? dice.below(frames_) : -1);
+    s.choose("kind", dice.of<std::string>({"point", "point", "hinge", "fixed"}));
+    if (wild()) s.choose("kind", dice.of<std::string>({"point", "hinge", "slider", "fixed", "dof6"}));
+    s.set("a", softs_[static_cast<std::size_t>(dice.below(int(softs_.size())))])
+        .set("b", others[static_cast<std::size_t>(dice.below(int(others.size())))])
+        .set("pivot-a", dice.ball(1.0));
+    if (!wild()) continue;
+    if (dice.chance(0.2)) s.set("motor", dice.number(-5, 5));
+    if (dice.chance(0.3)) s.set("low", dice.number(-1, 0)).set("high", dice.number(0, 1));
+    if (dice.chance(0.2)) s.set("break", dice.number(0.1, 5));
+    if (dice.chance(0.2)) s.set("collide", 1);
+  }
+}
+
 /// Puts small static objects of every shape under the soft bodies, where their points, edges and faces come
 /// down. Has dice of its own, too.
 void Writer::studs() {
@@ -568,6 +592,7 @@ Story Writer::write() {
   if (wild()) otherObjects();
   if (wild()) user(frames_);
   if (promise_ == "closed") studs();
+  if (promise_ != "gentle") surfaceJoints();
   return std::move(story_);
 }
 

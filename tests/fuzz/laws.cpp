@@ -7,6 +7,8 @@
 
 #include "mesh/triangle_bvh.h"
 
+#include <set>
+
 namespace limber::fuzz {
 namespace {
 
@@ -27,11 +29,15 @@ std::optional<Failure> checkRepeats(const Story& story, const Run& first) {
   return {};
 }
 
-/// Whether soft bodies act on rigid ones without contact: through springs, anchors, filters or callbacks.
-/// Water and fields push them faster than softIsNearRigid() expects.
+/// Whether soft bodies act on rigid ones without contact: through springs, anchors, joints, filters or
+/// callbacks. Water and fields push them faster than softIsNearRigid() expects.
 bool actsFromAfar(const Story& story) {
+  std::set<int> softs;
   for (const Step& s : story.steps)
-    if (s.kind == Kind::Spring || s.kind == Kind::Attach || s.kind == Kind::Vehicle ||
+    if (s.kind == Kind::Soft) softs.insert(s.id);
+  for (const Step& s : story.steps)
+    if ((s.kind == Kind::Joint && (softs.count(s.whole("a")) || softs.count(s.whole("b")))) ||
+        s.kind == Kind::Spring || s.kind == Kind::Attach || s.kind == Kind::Vehicle ||
         s.kind == Kind::Character || s.kind == Kind::OverlapFilter || s.kind == Kind::Surround ||
         s.kind == Kind::Change || s.phase == Phase::Listener)
       return true;

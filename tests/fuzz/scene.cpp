@@ -311,17 +311,22 @@ std::unique_ptr<btTypedConstraint> makeJoint(const Step& s, btRigidBody& a, btRi
 
 }  // namespace
 
+/// Joints are between rigid bodies and the surface objects of soft ones.
 void WorldPlayer::addJoint(const Step& s) {
-  RigidObject* a = rigid(s.whole("a"));
-  RigidObject* b = rigid(s.whole("b"));
-  if (!a || a->body->isStaticOrKinematicObject() || joints_.count(s.id)) return;
-  if (a == b || !a->body->isInWorld() || (b && !b->body->isInWorld())) return;
-  btRigidBody& other = b ? *b->body : btTypedConstraint::getFixedBody();
+  const auto end = [&](const char* name) -> btRigidBody* {
+    if (const RigidObject* object = rigid(s.whole(name))) return object->body.get();
+    const SoftBody* body = livingSoft(s.whole(name));
+    return body ? body->surfaceObject() : nullptr;
+  };
+  btRigidBody *a = end("a"), *b = end("b");
+  if (!a || a->isStaticOrKinematicObject() || joints_.count(s.id)) return;
+  if (a == b || !a->isInWorld() || (b && !b->isInWorld())) return;
+  btRigidBody& other = b ? *b : btTypedConstraint::getFixedBody();
   const btTransform inA(btQuaternion::getIdentity(), toBt(s.vec("pivot-a")));
-  btTransform inB = other.getWorldTransform().inverse() * a->body->getWorldTransform() * inA;
+  btTransform inB = other.getWorldTransform().inverse() * a->getWorldTransform() * inA;
   inB.setOrigin(inB.getOrigin() + toBt(s.vec("pivot-b")));
   JointObject& made = joints_[s.id];
-  made.joint = makeJoint(s, *a->body, other, inA, inB);
+  made.joint = makeJoint(s, *a, other, inA, inB);
   made.a = s.whole("a");
   made.b = s.whole("b");
   if (s["break"] > 0) made.joint->setBreakingImpulseThreshold(toBt(s["break"]));

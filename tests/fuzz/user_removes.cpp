@@ -70,6 +70,7 @@ void WorldPlayer::destroy(const Step& s) {
 
 void WorldPlayer::destroySoft(int id, const std::string& how, std::uint32_t point) {
   SoftObject object = softs_[id];
+  removeJointsOn(id);
   if (how == "properly" || !object.body->alive()) {
     systemOf(object.system)->destroyBody(object.body);
     softs_.erase(id);
@@ -181,6 +182,8 @@ void WorldPlayer::changeSystem(const Step& s) {
   const auto index = static_cast<std::size_t>(s.whole("system"));
   SoftBodySystem* system = systemOf(index);
   if (!system) return;
+  for (const auto& [id, object] : softs_)
+    if (object.system == index) removeJointsOn(id);
   if (s.choice("what") == "destroy")
     systems_[index].reset();
   else
@@ -204,6 +207,7 @@ void WorldPlayer::changeSystem(const Step& s) {
 void WorldPlayer::tearDown() {
   // steps that are not performed yet are dropped
   done_.assign(done_.size(), 1);
+  for (const auto& [id, object] : softs_) removeJointsOn(id);
   const std::string& order = settings_.choice("teardown");
   if (order == "hello-world" || order == "hello-system") {
     helloWorldLoop();
