@@ -154,10 +154,12 @@ constexpr double kRecoveryWork = 2.4, kSmallRecoveryWork = 0.3;
 constexpr double kFreeRecovery = 0.01;
 
 /// Returns the factor of the largest work of a contact; 0: there is no limit where nothing soft or anchored
-/// yields, nor for contacts that separate two bodies along one direction.
-inline double recoveryWorkFactor(const Contact& c, bool anchored) {
+/// yields, nor for contacts that separate two bodies along one direction, nor for single points, unless
+/// joints hold all points of their body (`framed`).
+inline double recoveryWorkFactor(const Contact& c, bool anchored, bool framed) {
   constexpr auto kSoft = ContactPoint::Kind::Soft;
-  if (isOfPoint(c) || c.separates) return 0.0;
+  if (c.separates) return 0.0;
+  if (isOfPoint(c)) return framed ? kSmallRecoveryWork : 0.0;
   if (!anchored && c.a.kind != kSoft && c.b.kind != kSoft) return 0.0;
   return anchored || (c.a.kind == kSoft && c.b.kind == kSoft) ? kSmallRecoveryWork : kRecoveryWork;
 }

@@ -58,6 +58,13 @@ const double* inverseMassOf(const IslandConstraints& rows, const PointView& view
   return anchored ? kNoInverseMass : view.inverseMassOf(point).data();
 }
 
+/// Returns whether joints act on the side's soft body as a whole.
+bool isFramed(const LinkedBodies& bodies, const ContactPoint& side) {
+  return side.kind == ContactPoint::Kind::Soft &&
+         std::any_of(bodies.frames.begin(), bodies.frames.end(),
+                     [&](const BodyFrame& frame) { return frame.body == side.body; });
+}
+
 /// Makes room for all scaled masses: rows point to them.
 void reserveScaledMasses(IslandConstraints& rows) {
   std::size_t count = 0;
@@ -230,7 +237,7 @@ void prepareRow(IslandConstraints& rows, ContactConstraint& row, const Contact& 
   row.rigidA = c.a.kind == ContactPoint::Kind::Rigid;
   row.restitutes = c.restitution > 0.0;
   row.recoverySpeed = c.recoverySpeed;
-  row.workFactor = recoveryWorkFactor(c, !bodies.anchors.empty());
+  row.workFactor = recoveryWorkFactor(c, !bodies.anchors.empty(), isFramed(bodies, c.a));
   excludePinned(rows, row);
   row.aligned = row.couple == Couple::None;
   row.friction = c.friction;
@@ -517,8 +524,9 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   listFollowing(rows);
   numberNodes(rows, bodies);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
-  rows.pressed = std::any_of(rows.contacts.begin(), rows.contacts.end(), [](const Contact& c) {
-    return c.a.kind == ContactPoint::Kind::Rigid && c.b.kind == ContactPoint::Kind::World;
+  rows.pressed = std::any_of(rows.contacts.begin(), rows.contacts.end(), [&](const Contact& c) {
+    const bool asWhole = c.a.kind == ContactPoint::Kind::Rigid || isFramed(bodies, c.a);
+    return asWhole && c.b.kind == ContactPoint::Kind::World;
   });
   rows.turns = std::any_of(rows.contacts.begin(), rows.contacts.end(), [](const Contact& c) {
     return !c.a.acceleration.isZero(0.0) || !c.b.acceleration.isZero(0.0);
