@@ -273,7 +273,7 @@ Result<void> turnBody(SoftBodyData& body, const btVector3& torque, bool asForce)
   if (Result<void> valid = checkPush("the torque", torque); !valid) return valid;
   readFromBullet(body);
   const RigidFit fit = fitRigid(body);
-  const Vector3d change = fit.inertia.inverse * toEigen(torque);
+  const Vector3d change = fit.inverseInertia * toEigen(torque);
   const auto pushOf = [&](Eigen::Index i) -> Vector3d {
     return massOfPoint(body, i) * change.cross(Vector3d(body.state.position.col(i) - fit.center));
   };

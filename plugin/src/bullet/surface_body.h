@@ -185,7 +185,8 @@ void wakeSurface(SoftBodyData& body);
 struct RigidFit {
   double mass = 0.0;                                   ///< kg
   Eigen::Vector3d center = Eigen::Vector3d::Zero();    ///< m
-  InverseInertia inertia;                              ///< about world axes
+  Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
+  Eigen::Matrix3d factor = Eigen::Matrix3d::Zero();          ///< F with inverseInertia = F F^T
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();      ///< rad/s
 };

@@ -5,6 +5,10 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/point_contacts.h"
+#include "mesh/linear_algebra.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <cmath>
 
@@ -15,6 +19,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+/// Minimum inertia about an axis, as a fraction of the trace of the inertia tensor. About an axis with less,
+/// such as the line of a rope, a torque causes less rotation the smaller the inertia is, and none if it is 0.
+/// Bullet stores the rotation rates about all axes in one vector of floats. The rounding error of a very fast
+/// rotation would be an impulse about the other axes.
+constexpr double kMinInertia = 1e-5;
+
 /// Number of iterations for the rotation of a body: one that rotates little in a tick, and any.
 constexpr int kRotationSteps = 4, kManyRotationSteps = 200;
 
@@ -22,6 +32,26 @@ template <class Visit>
 void forEachFree(const PointState& s, Visit visit) {
   for (Eigen::Index i = 0; i < s.position.cols(); ++i)
     if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
+}
+
+/// Minimum determinant of the inertia tensor of a round body, as a fraction of the cube of the trace. Its
+/// principal inertias are then larger than 4 times this fraction of the trace.
+constexpr double kRoundBody = 1e-3;
+
+/// Sets the inverse inertia: x / (x^2 + least^2) for each principal inertia x. If no x is small, this is the
+/// reciprocal of x with a relative error below 1e-5.
+void setInertia(RigidFit& fit, const Matrix3d& inertia) {
+  const double trace = inertia.trace(), least = kMinInertia * trace;
+  if (!(trace > 0.0)) return;
+  if (inertia.determinant() > kRoundBody * trace * trace * trace) {
+    fit.inverseInertia = inertia.inverse();
+    fit.factor = fit.inverseInertia.llt().matrixL();
+    return;
+  }
+  const SymmetricParts3 principal = symmetricParts3(inertia);
+  const Eigen::Array3d x = principal.values.array().max(0.0);
+  fit.factor = principal.vectors * (x / (x.square() + least * least)).sqrt().matrix().asDiagonal();
+  fit.inverseInertia = fit.factor * fit.factor.transpose();
 }
 
 /// Fits a rigid body to sums over offsets d from the point `from`. About the centre c, the second moments are
@@ -40,11 +70,10 @@ RigidFit fitRigid(const MotionSums& s, const Vector3d& from) {
   const double rounding = 1e-12 * second.trace();
   second -= moment * c.transpose();
   // a single free point has none
-  if (second.trace() > rounding)
-    fit.inertia = inverseInertiaOf(second.trace() * Matrix3d::Identity() - second);
+  if (second.trace() > rounding) setInertia(fit, second.trace() * Matrix3d::Identity() - second);
   fit.center = from + c;
   fit.velocity = momentum / fit.mass;
-  fit.spin = fit.inertia.inverse * (Vector3d(s.angular) - c.cross(momentum));
+  fit.spin = fit.inverseInertia * (Vector3d(s.angular) - c.cross(momentum));
   return fit;
 }
 
@@ -85,7 +114,7 @@ void writeInertia(btRigidBody& object, const RigidFit& fit, const btMatrix3x3& b
     object.setCollisionFlags(flags);
   }
   object.setInvInertiaDiagLocal(btVector3(1, 1, 1));
-  object.getWorldTransform().setBasis(matrixToBullet(fit.inertia.factor));
+  object.getWorldTransform().setBasis(matrixToBullet(fit.factor));
   object.updateInertiaTensor();
   object.getWorldTransform().setBasis(basis);
   const btMatrix3x3 local = basis.transpose() * object.getInvInertiaTensorWorld() * basis;
@@ -286,7 +315,7 @@ void accelerateByObject(SoftBodyData& body) {
   const RigidFit fit = fitRigid(body);
   if (!(fit.mass > 0.0)) return;
   const Vector3d linear = s.objectForce / fit.mass;
-  const Vector3d angular = fit.inertia.inverse * s.objectTorque;
+  const Vector3d angular = fit.inverseInertia * s.objectTorque;
   forEachFree(body.state, [&](Eigen::Index i, double) {
     body.state.acceleration.col(i) +=
         linear + angular.cross(Vector3d(body.state.position.col(i) - fit.center));

@@ -5,7 +5,6 @@
 #include "mesh/linear_algebra.h"
 #include "solver/springs.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -99,16 +98,21 @@ Eigen::Vector3d rotationBetween(const Eigen::Quaterniond& from, const Eigen::Qua
 
 namespace {
 
-/// Minimum inertia about an axis, as a fraction of the trace of the inertia tensor. About an axis with less,
-/// such as the line of a rope, a torque causes less rotation the smaller the inertia is, and none if it is 0.
-/// Bullet stores the rotation rates about all axes in one vector of floats. The rounding error of a very fast
-/// rotation would be an impulse about the other axes.
+/// Minimum inertia about an axis, as a fraction of the trace of the inertia tensor.
 constexpr double kMinInertia = 1e-5;
 
 /// Minimum determinant of the inertia tensor of a round body, as a fraction of the cube of the trace. Its
-/// principal inertias are then larger than 4 times this fraction of the trace, and the plain inverse has a
-/// relative difference below 1e-5.
+/// principal inertias are then larger than 4 times this fraction of the trace.
 constexpr double kRoundBody = 1e-3;
+
+/// Returns the inverse with principal inertias of at least the minimum.
+Eigen::Matrix3d boundedInverse(const Eigen::Matrix3d& inertia) {
+  const double trace = inertia.trace();
+  if (inertia.determinant() > kRoundBody * trace * trace * trace) return inertia.inverse();
+  const SymmetricParts3 principal = symmetricParts3(inertia);
+  const Eigen::Array3d inverse = principal.values.array().max(kMinInertia * trace).inverse();
+  return principal.vectors * inverse.matrix().asDiagonal() * principal.vectors.transpose();
+}
 
 /// Lists the points with their offsets from point 0 in place of moment arms.
 void listPoints(LinkedBodies& bodies, BodyFrame& frame) {
@@ -121,7 +125,7 @@ void listPoints(LinkedBodies& bodies, BodyFrame& frame) {
   frame.end = static_cast<std::uint32_t>(bodies.framePoints.size());
 }
 
-void fitPlace(LinkedBodies& bodies, const BodyFrame& frame) {
+void fitPlace(LinkedBodies& bodies, BodyFrame& frame) {
   RigidState& rigid = bodies.rigids[frame.rigid];
   double mass = 0.0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
@@ -134,6 +138,7 @@ void fitPlace(LinkedBodies& bodies, const BodyFrame& frame) {
   }
   rigid.inverseMass.setZero();
   rigid.inverseInertia.setZero();
+  frame.inertia.setZero();
   if (mass == 0.0) return;
   const Eigen::Vector3d center = moment / mass;
   for (std::uint32_t k = frame.begin; k < frame.end; ++k) bodies.framePoints[k].arm -= center;
@@ -142,27 +147,12 @@ void fitPlace(LinkedBodies& bodies, const BodyFrame& frame) {
   const double rounding = 1e-12 * second.trace();
   second -= moment * center.transpose();
   // a single free point has none
-  if (second.trace() > rounding)
-    rigid.inverseInertia = inverseInertiaOf(second.trace() * Eigen::Matrix3d::Identity() - second).inverse;
+  if (!(second.trace() > rounding)) return;
+  frame.inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+  rigid.inverseInertia = boundedInverse(frame.inertia);
 }
 
 }  // namespace
-
-InverseInertia inverseInertiaOf(const Eigen::Matrix3d& inertia) {
-  InverseInertia result;
-  const double trace = inertia.trace(), least = kMinInertia * trace;
-  if (!(trace > 0.0)) return result;
-  if (inertia.determinant() > kRoundBody * trace * trace * trace) {
-    result.inverse = inertia.inverse();
-    result.factor = result.inverse.llt().matrixL();
-    return result;
-  }
-  const SymmetricParts3 principal = symmetricParts3(inertia);
-  const Eigen::Array3d x = principal.values.array().max(0.0);
-  result.factor = principal.vectors * (x / (x.square() + least * least)).sqrt().matrix().asDiagonal();
-  result.inverse = result.factor * result.factor.transpose();
-  return result;
-}
 
 void fitFrames(LinkedBodies& bodies) {
   bodies.framePoints.clear();
@@ -185,7 +175,8 @@ void fitFrameVelocities(LinkedBodies& bodies) {
       angular += p.arm.cross(own);
     }
     frame.velocity = rigid.velocity = rigid.inverseMass.cwiseProduct(momentum);
-    frame.spin = rigid.angularVelocity = rigid.inverseInertia * angular;
+    rigid.angularVelocity += rigid.inverseInertia * (angular - frame.inertia * rigid.angularVelocity);
+    frame.spin = rigid.angularVelocity;
   }
 }
 

@@ -70,15 +70,6 @@ struct RigidState {
   }
 };
 
-/// The inverse of the inertia tensor (kg m^2) of points, and F with inverse = F F^T.
-struct InverseInertia {
-  Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero(), factor = Eigen::Matrix3d::Zero();
-};
-
-/// For each principal inertia x the inverse is x / (x^2 + least^2), with a small share of the tensor's trace:
-/// about the line of a rope it is 0.
-InverseInertia inverseInertiaOf(const Eigen::Matrix3d& inertia);
-
 /// Returns the rotation by |v| radians about v.
 Eigen::Quaterniond rotationBy(const Eigen::Vector3d& v);
 
@@ -143,11 +134,13 @@ struct AnchorSet {
 
 /// A soft body as a whole, on which joints act like on a rigid body: it has the mass, inertia, momentum and
 /// angular momentum of the points that are not held, and its impulses move all of them as a rigid body moves.
+/// About a line on which all points lie it turns on its own: the points bear no torque there.
 struct BodyFrame {
   std::uint32_t body = 0;   ///< index into LinkedBodies::points
   std::uint32_t rigid = 0;  ///< index into LinkedBodies::rigids
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(),
                   spin = Eigen::Vector3d::Zero();  ///< m/s and rad/s of the rigid body that the points have
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< kg m^2, about world axes
   std::uint32_t begin = 0, end = 0;                ///< in LinkedBodies::framePoints
 };
 
