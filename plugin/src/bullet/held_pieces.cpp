@@ -77,8 +77,12 @@ struct PieceCollector {
   ShapeCache& shapes;
   std::uint32_t owner;
   std::vector<HeldPiece>& pieces;
+  std::size_t limit = kNoLimit;  ///< of pieces.size(); what is beyond it is left out
+
+  bool isFull() const { return pieces.size() >= limit; }
 
   void add(const btCollisionShape& shape, const btTransform& pose) {
+    if (isFull()) return;
     if (const std::optional<HeldPiece> solid = solidOf(shape, pose)) return push(*solid);
     if (shape.isCompound()) return addChildren(static_cast<const btCompoundShape&>(shape), pose);
     if (shape.isConcave()) return addSheet(static_cast<const btConcaveShape&>(shape), pose);
@@ -166,6 +170,7 @@ struct PieceCollector {
       LocalBox own;
       double margin;
       void processTriangle(btVector3* triangle, int, int) override {
+        if (self->isFull()) return;
         // height fields and some other shapes report whole cells
         if (!TestTriangleAgainstAabb2(triangle, own.low, own.high)) return;
         Vector3d corners[3];
@@ -323,8 +328,8 @@ bool findNearestOnFaces(const btConvexShape& shape, const btTransform& pose, Sha
 }
 
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
-                        std::uint32_t owner, std::vector<HeldPiece>& pieces) {
-  PieceCollector collector{box, shapes, owner, pieces};
+                        std::uint32_t owner, std::vector<HeldPiece>& pieces, std::size_t limit) {
+  PieceCollector collector{box, shapes, owner, pieces, limit};
   collector.add(*object.getCollisionShape(), object.getWorldTransform());
   return collector.owner;
 }
