@@ -4,6 +4,7 @@
 #include "support/soft_world.h"
 #include "support/tiled_floors.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace limber::test {
@@ -171,6 +172,155 @@ TEST(SurfaceTiles, aBodyCrossesMeshesAndForgetsThem) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, TiledFloor, testing::ValuesIn(kFloorKinds),
                          [](const auto& kind) { return nameOf(kind.param); });
+
+// --- pieces much smaller than the motion in a tick ---------------------------------------------------------
+
+// The search for a point's contacts then covers less than its motion, and is repeated within the tick.
+
+constexpr double kLongTick = 1.0 / 15.0, kFineCell = 0.01, kHalfFloor = 0.6;  // s, m, m
+
+/// Adds a static mesh of small triangles through (x, height(x), z).
+template <class Height>
+btRigidBody* addFineMesh(BulletWorld& bullet, Height height) {
+  auto mesh = std::make_unique<btTriangleMesh>();
+  const int count = static_cast<int>(std::lround(2.0 * kHalfFloor / kFineCell));
+  const auto corner = [&](int i, int j) {
+    const double x = -kHalfFloor + i * kFineCell;
+    return vec(x, height(x), -kHalfFloor + j * kFineCell);
+  };
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j) {
+      mesh->addTriangle(corner(i, j), corner(i, j + 1), corner(i + 1, j));
+      mesh->addTriangle(corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1));
+    }
+  auto shape = std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true);
+  bullet.meshes.push_back(std::move(mesh));
+  return bullet.add(std::move(shape), 0, btVector3(0, 0, 0));
+}
+
+btRigidBody* addFineBoxes(BulletWorld& bullet) {
+  auto compound = std::make_unique<btCompoundShape>();
+  const int count = static_cast<int>(std::lround(2.0 * kHalfFloor / kFineCell));
+  const double half = 0.5 * kFineCell;
+  bullet.shapes.push_back(std::make_unique<btBoxShape>(vec(half, half, half)));
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j) {
+      const btVector3 center = vec((2 * i + 1) * half - kHalfFloor, -half, (2 * j + 1) * half - kHalfFloor);
+      compound->addChildShape(btTransform(btQuaternion::getIdentity(), center), bullet.shapes.back().get());
+    }
+  return bullet.add(std::move(compound), 0, btVector3(0, 0, 0));
+}
+
+btRigidBody* addFineFloor(BulletWorld& bullet, bool boxes) {
+  return boxes ? addFineBoxes(bullet) : addFineMesh(bullet, [](double) { return 0.0; });
+}
+
+/// Returns settings of a cube of 0.3 m that moves at a velocity above the floor.
+SoftBodySettings smallCube(double height, const Vector3d& velocity) {
+  SoftBodySettings s = testedSettings();
+  s.scale = Vector3d::Constant(0.3);
+  s.position = {0.0013, height, 0.0021};
+  s.linearVelocity = velocity;
+  s.friction = 1.0;
+  s.pointRadius = 0.005;
+  s.sleepingSpeed = 0.0;
+  setSprings(s, 1e4, 5.0);
+  return s;
+}
+
+TEST(FinePieces, aBodyLandsAndRestsAsOnAPlane) {
+  for (const auto& [speed, stiffness] :
+       {std::pair(0.0, 1e4), std::pair(1.0, 1e4), std::pair(5.0, 1e4), std::pair(20.0, 1e4),
+        std::pair(20.0, 10.0)})  // a soft one has few substeps
+    for (const bool boxes : {false, true}) {
+      SCOPED_TRACE(testing::Message() << speed << " m/s, " << stiffness << " N/m, boxes " << boxes);
+      SoftWorld fine, plane;
+      addFineFloor(fine, boxes)->setFriction(0.5);
+      plane.addPlaneFloor()->setFriction(0.5);
+      SoftBodySettings s = smallCube(0.155 + 0.1 * speed, {0.05 * speed, -speed, 0});
+      setSprings(s, stiffness, 5e-4 * stiffness);
+      SoftBody *onFine = fine.addSoft(closedCubeNetwork(), s),
+               *onPlane = plane.addSoft(closedCubeNetwork(), s);
+      for (int i = 0; i < 7; ++i) {
+        fine.tick(kLongTick);
+        plane.tick(kLongTick);
+        EXPECT_LT((onFine->centerOfMass() - onPlane->centerOfMass()).norm(), 1e-3) << i;
+        EXPECT_GT(lowest(*onFine), 0.9 * s.pointRadius.value()) << i;
+      }
+    }
+}
+
+TEST(FinePieces, reportedImpulsesAreThoseThatStopTheBody) {
+  for (const double restitution : {0.0, 0.8}) {
+    SCOPED_TRACE(restitution);
+    SoftWorld bullet;
+    addFineFloor(bullet, false)->setRestitution(static_cast<btScalar>(restitution));
+    SoftBodySettings s = smallCube(0.2, {0.5, -5.0, 0.0});
+    s.restitution = 1.0;
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
+    Vector3d impulse = Vector3d::Zero();
+    for (int i = 0; i < 6; ++i) {
+      bullet.tick(kLongTick);
+      for (const SoftContact& contact : cube->contacts()) impulse += eigen(contact.impulse);
+    }
+    const Vector3d weight(0.0, -kGravity * 6 * kLongTick * cube->totalMass(), 0.0);
+    const Vector3d change = cube->totalMass() * (velocityOf(*cube) - s.linearVelocity);
+    EXPECT_LT((impulse + weight - change).norm(), 1e-3 * change.norm());
+  }
+}
+
+/// The points pass from one side of the groove to the other some times within a tick, down and up again.
+TEST(FinePieces, pointsThatTurnRoundInAGrooveStayInIt) {
+  constexpr double kSteepness = 3.0;
+  RopeSettings rope;
+  rope.segments = 1;
+  for (const double speed : {5.0, 10.0, 15.0})
+    for (const double x : {0.01, 0.02, 0.04}) {
+      SCOPED_TRACE(testing::Message() << speed << " m/s, from " << x << " m");
+      SoftWorld bullet;
+      addFineMesh(bullet, [](double at) { return kSteepness * std::abs(at); })->setRestitution(btScalar(0.9));
+      SoftBodySettings s = smallCube(0.3, {0.0, -speed, 0.0});
+      s.position.x() = x, s.position.z() = 0.15;
+      s.rotation = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitY());  // along the groove
+      s.restitution = 1.0, s.friction = 0.0;
+      s.stepping.minSubsteps = 60;
+      SoftBody* body = bullet.addSoft(*buildRope(rope), s);
+      for (int i = 0; i < 6; ++i) {
+        bullet.tick(kLongTick);
+        for (std::uint32_t p = 0; p < body->pointCount(); ++p) {
+          const Vector3d at = body->position(p);
+          const double gap = (at.y() - kSteepness * std::abs(at.x())) / std::hypot(1.0, kSteepness);
+          const bool isOver = std::abs(at.x()) > kHalfFloor;  // it has left the groove
+          EXPECT_TRUE(isOver || gap > 0.9 * s.pointRadius.value()) << i << ": " << gap;
+        }
+      }
+    }
+}
+
+/// Without friction it slides over hills and keeps its energy, but for the deformations.
+TEST(FinePieces, aBodyThatSlidesOverHillsStaysOnThem) {
+  const auto height = [](double x) { return 0.02 * std::cos(15.0 * x); };
+  for (const double speed : {2.0, 4.0}) {
+    SCOPED_TRACE(speed);
+    SoftWorld bullet;
+    addFineMesh(bullet, height)->setFriction(0);
+    SoftBodySettings s = smallCube(0.0, {speed, 0.0, 0.0});
+    s.position.x() = -0.35;
+    s.position.y() = 0.18;
+    SoftBody* cube = bullet.addSoft(closedCubeNetwork(), s);
+    const double atStart = energyOf(*cube, kGravity);
+    for (int i = 0; i < std::floor(0.7 / speed / kLongTick); ++i) {
+      bullet.tick(kLongTick);
+      EXPECT_LT(energyOf(*cube, kGravity), atStart + 1e-3) << i;
+      for (std::uint32_t p = 0; p < cube->pointCount(); ++p) {
+        const Vector3d x = cube->position(p);
+        // chords of the triangles are up to 6e-5 m below the hills
+        EXPECT_GT(x.y() - height(x.x()), 0.9 * s.pointRadius.value() - 6e-5) << i;
+      }
+    }
+    EXPECT_GT(velocityOf(*cube).x(), 0.4 * speed);
+  }
+}
 
 }  // namespace
 }  // namespace limber::test

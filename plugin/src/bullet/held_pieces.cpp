@@ -77,8 +77,12 @@ struct PieceCollector {
   ShapeCache& shapes;
   std::uint32_t owner;
   std::vector<HeldPiece>& pieces;
+  std::size_t limit = kNoLimit;  ///< of pieces.size(); what is beyond it is left out
+
+  bool isFull() const { return pieces.size() >= limit; }
 
   void add(const btCollisionShape& shape, const btTransform& pose) {
+    if (isFull()) return;
     if (const std::optional<HeldPiece> solid = solidOf(shape, pose)) return push(*solid);
     if (shape.isCompound()) return addChildren(static_cast<const btCompoundShape&>(shape), pose);
     if (shape.isConcave()) return addSheet(static_cast<const btConcaveShape&>(shape), pose);
@@ -166,6 +170,7 @@ struct PieceCollector {
       LocalBox own;
       double margin;
       void processTriangle(btVector3* triangle, int, int) override {
+        if (self->isFull()) return;
         // height fields and some other shapes report whole cells
         if (!TestTriangleAgainstAabb2(triangle, own.low, own.high)) return;
         Vector3d corners[3];
@@ -197,35 +202,50 @@ bool isFlatSolid(const HeldPiece& piece, const Vector3d& x, double searchRegion)
   return std::abs(local[1]) > piece.size[1] && std::hypot(local[0], local[2]) + searchRegion < piece.size[0];
 }
 
-bool isNearEdge(const HeldPiece& t, int edge, const Vector3d& x, double searchRegion) {
-  const Vector3d from = t.axes.col(edge), to = t.axes.col((edge + 1) % 3);
+bool isNearEdge(const Vector3d& from, const Vector3d& to, const Vector3d& x, double searchRegion) {
   const Vector3d nearest = from + nearestOnSegment(from, to, x) * (to - from);
   return (nearest - x).squaredNorm() < searchRegion * searchRegion;
 }
 
-/// Returns a hash of an edge, the same in both directions.
-std::uint64_t edgeKey(const Vector3d& from, const Vector3d& to) {
-  std::uint64_t key = 0;
-  for (const Vector3d* end : {&from, &to}) {
-    std::uint64_t hash = 0;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const double number = (*end)[i] + 0.0;  // of two zeros one
-      std::uint64_t bits;
-      std::memcpy(&bits, &number, sizeof bits);
-      hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 32;
-    }
-    key += hash * 0xbf58476d1ce4e5b9u;
+std::uint64_t hashOf(const Vector3d& corner) {
+  std::uint64_t hash = 0;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double number = corner[i] + 0.0;  // of two zeros one
+    std::uint64_t bits;
+    std::memcpy(&bits, &number, sizeof bits);
+    hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 32;
   }
-  return key;
+  return hash;
 }
 
-void listEdges(const HeldPiece* begin, const HeldPiece* end, std::vector<std::uint64_t>& keys) {
-  keys.clear();
-  for (const HeldPiece* t = begin; t != end; ++t)
-    for (int edge = 0; edge < 3; ++edge)
-      keys.push_back(edgeKey(t->axes.col(edge), t->axes.col((edge + 1) % 3)));
+/// Adds hashes of the triangle's edges near x, the same for the triangle on the edge's other side.
+void addNearEdges(const HeldPiece& t, const Vector3d& x, double searchRegion,
+                  std::vector<std::uint64_t>& keys) {
+  const std::uint64_t hashes[] = {hashOf(t.axes.col(0)), hashOf(t.axes.col(1)), hashOf(t.axes.col(2))};
+  for (int edge = 0; edge < 3; ++edge) {
+    int from = edge, to = (edge + 1) % 3;
+    if (hashes[from] > hashes[to]) std::swap(from, to);  // near or not, regardless of rounding
+    if (isNearEdge(t.axes.col(from), t.axes.col(to), x, searchRegion))
+      keys.push_back(hashes[from] * 0xbf58476d1ce4e5b9u + hashes[to]);
+  }
+}
+
+/// Returns whether each key occurs at least twice. Sorts them.
+bool occurTwice(std::vector<std::uint64_t>& keys) {
   std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const bool isLikeLast = i > 0 && keys[i - 1] == keys[i];
+    const bool isLikeNext = i + 1 < keys.size() && keys[i + 1] == keys[i];
+    if (!isLikeLast && !isLikeNext) return false;
+  }
+  return true;
+}
+
+/// Returns whether x is on the triangle.
+bool isOnTriangle(const HeldPiece& t, const Vector3d& x, double tolerance) {
+  const Vector3d weights = nearestBarycentric({t.axes.col(0), t.axes.col(1), t.axes.col(2)}, x);
+  return (t.axes * weights - x).squaredNorm() < tolerance * tolerance;
 }
 
 /// Returns whether the triangles lie in one plane and leave no gap around the foot of x. `keys` is scratch.
@@ -238,19 +258,12 @@ bool areFlatTriangles(const HeldPiece* begin, const HeldPiece* end, const Vector
     const double oneMinusCosine = 1.0 - std::abs(t->center.dot(normal)),
                  distance = t->center.dot(foot - t->axes.col(0));
     if (oneMinusCosine > kFlatTolerance || std::abs(distance) > kFlatTolerance) return false;
-    const Vector3d weights = nearestBarycentric({t->axes.col(0), t->axes.col(1), t->axes.col(2)}, foot);
-    isAbove = isAbove || (t->axes * weights - foot).squaredNorm() < kFlatTolerance * kFlatTolerance;
+    isAbove = isAbove || isOnTriangle(*t, foot, kFlatTolerance);
   }
   if (!isAbove) return false;
-  listEdges(begin, end, keys);
-  for (const HeldPiece* t = begin; t != end; ++t)
-    for (int edge = 0; edge < 3; ++edge) {
-      if (!isNearEdge(*t, edge, foot, searchRegion)) continue;
-      const std::uint64_t key = edgeKey(t->axes.col(edge), t->axes.col((edge + 1) % 3));
-      const auto [first, last] = std::equal_range(keys.begin(), keys.end(), key);
-      if (last - first < 2) return false;  // no other triangle has it
-    }
-  return true;
+  keys.clear();
+  for (const HeldPiece* t = begin; t != end; ++t) addNearEdges(*t, foot, searchRegion, keys);
+  return occurTwice(keys);
 }
 
 }  // namespace
@@ -315,8 +328,8 @@ bool findNearestOnFaces(const btConvexShape& shape, const btTransform& pose, Sha
 }
 
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
-                        std::uint32_t owner, std::vector<HeldPiece>& pieces) {
-  PieceCollector collector{box, shapes, owner, pieces};
+                        std::uint32_t owner, std::vector<HeldPiece>& pieces, std::size_t limit) {
+  PieceCollector collector{box, shapes, owner, pieces, limit};
   collector.add(*object.getCollisionShape(), object.getWorldTransform());
   return collector.owner;
 }

@@ -186,10 +186,21 @@ class Watch final : public SearchWatch {
   void start(btScalar tick) override {
     tick_ = tick;
     on = false;
+    hasRegions_ = false;
     rows.clear();
   }
 
-  Regions regions() const override { return {&body_->masses.startPosition, &body_->searchDistance}; }
+  Regions regions() const override {
+    if (hasRegions_) return {&centers_, &distances_};
+    return {&body_->masses.startPosition, &body_->searchDistance};
+  }
+
+  void setRegion(std::uint32_t i, const Eigen::Vector3d& center, double distance) override {
+    if (!hasRegions_) centers_ = body_->masses.startPosition, distances_ = body_->searchDistance;
+    hasRegions_ = true;
+    centers_.col(i) = center;
+    distances_[i] = distance;
+  }
 
   bool anyLeaves(const PointView& points, double dt, std::uint32_t begin, std::uint32_t end) const override {
     for (std::uint32_t i = begin; i < end; ++i)
@@ -201,7 +212,7 @@ class Watch final : public SearchWatch {
     bool found = false;
     for (std::uint32_t i = 0; i < pointCount(*body_); ++i) {
       if (!leaves(points, dt, i)) continue;
-      search(i, points.positionOf(i), points.velocityOf(i), time);
+      search(i, points.positionOf(i), points.velocityOf(i), time, dt);
       found = true;
     }
     if (found) prepareContacts(rows, points);
@@ -217,23 +228,26 @@ class Watch final : public SearchWatch {
  private:
   bool leaves(const PointView& points, double dt, std::uint32_t i) const {
     const Eigen::Vector3d next = points.positionOf(i) + dt * points.velocityOf(i);
-    const double searchRegion = body_->searchDistance[i];
-    return (next - body_->masses.startPosition.col(i)).squaredNorm() > searchRegion * searchRegion &&
-           !body_->masses.held[i];
+    const auto& [centers, distances] = regions();
+    const double distance = (*distances)[i];
+    return (next - centers->col(i)).squaredNorm() > distance * distance && !body_->masses.held[i];
   }
 
   static bool isBefore(std::uint32_t point, const PlaneContact& row) { return point < row.point; }
 
   /// Searches from x, for the rest of the tick.
-  void search(std::uint32_t i, const Eigen::Vector3d& x, const Eigen::Vector3d& v, double time) {
+  void search(std::uint32_t i, const Eigen::Vector3d& x, const Eigen::Vector3d& v, double time, double dt) {
     const double remaining = double(tick_) - time;
     body_->state.position.col(i) = x;
+    const PieceRange left = leavePieces(i);
     const SearchRegion searchRegion = searchRegionFrom(*body_, i, v, remaining);
     addStaticPartners(*body_, searchRegion.box);
     found_.clear();
     // the gather functions add to the body's contacts
     std::swap(body_->contacts, found_);
-    addStaticRows(*body_, i, searchRegion, tick_);
+    // those that an implicit step has found are merged with the body's
+    setRegion(i, x, addStaticRows(*body_, i, {v, remaining, dt, !body_->prefersImplicit}, tick_));
+    reuse(left);
     for (std::uint32_t p = 0; p < body_->heldPartners.size(); ++p) {
       // kinematic objects are at their pose of the start of the tick: shift the point to the same position
       // relative to them
@@ -249,15 +263,55 @@ class Watch final : public SearchWatch {
     body_->searchDistance[i] = std::max(body_->searchDistance[i], covered);
   }
 
+  using PieceRange = std::pair<std::size_t, std::size_t>;  // begin and end in SoftBodyData::held
+
+  /// Where there are many pieces, ends contacts of the point's earlier searches that follow them: the next
+  /// search finds those nearby. Returns the most pieces that such a contact followed.
+  PieceRange leavePieces(std::uint32_t i) {
+    PieceRange left;
+    if (body_->held.maxSearchDistance == HUGE_VAL) return left;
+    for (std::vector<PlaneContact>* contacts : {&body_->contacts, &rows}) {
+      const ContactRange old = contactsOfPoint(*contacts, i);
+      for (std::size_t r = old.begin; r < old.end; ++r) {
+        HeldNeighbourhood* around = (*contacts)[r].around;
+        if (!around || around->end - around->begin < 2) continue;  // all points share a single solid
+        if (around->end - around->begin > left.second - left.first) left = {around->begin, around->end};
+        around->end = around->begin;
+      }
+    }
+    return left;
+  }
+
+  /// Moves the pieces that a search has added to the place of those that the point has left.
+  void reuse(const PieceRange& left) {
+    std::vector<HeldPiece>& pieces = body_->held.pieces;
+    HeldNeighbourhood* around = body_->contacts.empty() ? nullptr : body_->contacts.back().around;
+    if (!around || around->end != pieces.size() || around->end - around->begin > left.second - left.first)
+      return;
+    const auto first = pieces.begin() + static_cast<std::ptrdiff_t>(around->begin);
+    std::copy(first, pieces.end(), pieces.begin() + static_cast<std::ptrdiff_t>(left.first));
+    pieces.erase(first, pieces.end());
+    around->end = left.first + (around->end - around->begin);
+    around->begin = left.first;
+  }
+
+  /// Adds the impulse of an earlier contact to that of a new one, or keeps it for the report.
+  void keepImpulse(const PlaneContact& old) {
+    const auto isSame = [&](const PlaneContact& row) { return row.partner == old.partner; };
+    const auto row = std::find_if(found_.begin(), found_.end(), isSame);
+    if (row != found_.end()) {
+      row->impulse += old.impulse;
+    } else if (!old.impulse.sum.isZero(0.0)) {
+      found_.push_back(old);
+      found_.back().around = nullptr;
+      found_.back().away = true;
+    }
+  }
+
   /// Replaces the point's earlier contacts by the new ones, which get their impulses.
   void replaceRows(std::uint32_t i) {
     const ContactRange old = contactsOfPoint(rows, i);
-    for (std::size_t r = old.begin; r < old.end; ++r)
-      for (std::size_t n = 0; n < found_.size(); ++n)
-        if (found_[n].partner == rows[r].partner) {
-          found_[n].impulse += rows[r].impulse;
-          break;
-        }
+    for (std::size_t r = old.begin; r < old.end; ++r) keepImpulse(rows[r]);
     const auto first = rows.begin() + static_cast<std::ptrdiff_t>(old.begin);
     const auto next = rows.erase(first, first + static_cast<std::ptrdiff_t>(old.end - old.begin));
     rows.insert(next, found_.begin(), found_.end());
@@ -265,6 +319,9 @@ class Watch final : public SearchWatch {
 
   SoftBodyData* body_;
   btScalar tick_ = 0;
+  bool hasRegions_ = false;          // of this tick
+  Points centers_;                   // 3 x #points, m
+  std::vector<double> distances_;    // #points, m
   std::vector<PlaneContact> found_;  // scratch
 };
 
@@ -447,6 +504,7 @@ void findWaysOut(SoftBodyData& body) {
 void gatherContacts(SoftBodyData& body, btScalar tick) {
   body.contacts.clear();
   body.held.pieces.clear();
+  body.held.maxSearchDistance = HUGE_VAL;
   body.neighbourhoodCount = 0;
   body.localSpins.areKnown = false;
   std::swap(body.heldPartners, body.lastHeldPartners);
@@ -477,9 +535,13 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   };
   for (std::uint32_t i = 0; i < pointCount(body); forgetManifold(i++)) {
     if (body.masses.held[i]) continue;
-    addStaticRows(body, i, searchRegionAround(body, i, body.searchDistance[i]), tick);
+    const Eigen::Vector3d velocity = body.state.velocity.col(i);
+    const double wanted = body.searchDistance[i],
+                 known = addStaticRows(body, i, {velocity, double(tick), 0.0, false}, tick);
     for (std::uint32_t p = 0; anyMoves && p < body.heldPartners.size(); ++p)
-      addRows(body, i, p, body.state.velocity.col(i), double(tick), tick);
+      addRows(body, i, p, velocity, double(tick), tick);
+    const bool isWhole = known >= wanted;
+    body.watch->setRegion(i, body.state.position.col(i), isWhole ? body.searchDistance[i] : known);
   }
 }
 

@@ -165,8 +165,18 @@ void findWaysOut(SoftBodyData& body);
 /// in the body, or through one of the point's edges.
 bool isPushedOut(const SoftBodyData& body, const HeldPartner& held, std::uint32_t i);
 
-/// Adds contacts of one point with the static partners of its body, within its search region in the tick (s).
-void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick);
+/// A search for the contacts of a point that moves in the tick.
+struct PointSearch {
+  Eigen::Vector3d velocity;  ///< m/s, at its start
+  double time;               ///< s, until the end of the tick
+  double minTime;            ///< s, until the point may be searched again
+  bool replacesPlanes;       ///< the next search replaces all planes that this one finds
+};
+
+/// Adds contacts of one point with the static partners of its body. Returns the distance (m) up to which the
+/// contacts are known: that of the point's motion in search.time or, where there are many small pieces, less,
+/// down to that in search.minTime. The watch searches for the rest.
+double addStaticRows(SoftBodyData& body, std::uint32_t i, const PointSearch& search, btScalar tick);
 
 /// Adds contacts with a kinematic one of body.heldPartners for a point that starts with a velocity and moves
 /// for `time` s of the tick.

@@ -322,13 +322,9 @@ void addFlatRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& search
   }
 }
 
-/// Whether the object is a triangle mesh, whose next triangles may become further contacts within the step:
-/// in a groove a point touches two, in a pit three.
-bool isOfTriangles(const HeldPiece* first, const HeldPiece* last, std::uint32_t owner) {
-  return std::any_of(first, last, [&](const HeldPiece& piece) {
-    return piece.owner == owner && piece.kind == HeldPiece::Kind::Sheet;
-  });
-}
+/// Largest number of pieces in the region of a point's whole motion. The region is smaller where more would
+/// be in it: each piece costs time, in flat places once and elsewhere in each substep.
+constexpr std::size_t kMaxPieces = 128;
 
 /// Adds contacts that follow the surfaces nearby: for each owner one per direction in which it is near, at
 /// least one, and three of triangles.
@@ -343,10 +339,14 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   around.clear = 0.0;
   findContacts(around, body.state.position.col(i), Vector3d::Zero(), searchRegion.distance);
   std::uint32_t owner = 0;
+  const HeldPiece *piece = range.first(body), *end = range.last(body);
   for (const auto& [partner, endOfOwners] : body.staticPartners) {
     PlaneRows rows{body, i, partner, searchRegion.distance, tick};
     for (; owner < endOfOwners; ++owner) {
-      int missing = isOfTriangles(range.first(body), range.last(body), owner) ? 3 : 1;
+      while (piece != end && piece->owner < owner) ++piece;
+      // further triangles may become contacts within the step: in a groove a point touches two, in a pit
+      // three
+      int missing = piece != end && piece->kind == HeldPiece::Kind::Sheet ? 3 : 1;
       for (const HeldContact& c : around.contacts) {
         if (c.owner != owner) continue;
         rows.addFollowing(around, owner, &c);
@@ -357,9 +357,10 @@ void addFollowingRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& s
   }
 }
 
-/// Finds the partners at rest that point i may touch in the box. Returns their pieces: of a single convex
-/// solid those that all points share, else copies at the end of SoftBodyData::held.
-PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedBox3d& box) {
+/// Finds the partners at rest that point i may touch in the box. Returns their pieces, or `limit` of them: of
+/// a single convex solid those that all points share, else copies at the end of SoftBodyData::held.
+PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedBox3d& box,
+                      std::size_t limit) {
   auto& partners = body.staticPartners;
   partners.clear();
   for (std::uint32_t p = 0; p < body.heldPartners.size(); ++p) {
@@ -379,16 +380,37 @@ PieceRange findPieces(SoftBodyData& body, std::uint32_t i, const Eigen::AlignedB
       pieces.push_back(HeldPiece(pieces[solid]));
       pieces.back().owner = owners++;
     } else {
-      owners = addPieces(body.heldPartners[partner].object(), box, *body.shapes, owners, pieces);
+      owners = addPieces(body.heldPartners[partner].object(), box, *body.shapes, owners, pieces,
+                         limit == kNoLimit ? kNoLimit : begin + limit);
     }
     endOfOwners = owners;
   }
   return {begin, pieces.size()};
 }
 
+/// Finds the pieces in a region. Makes it smaller, down to a distance (m), while they are too many and the
+/// watch can search again.
+PieceRange findFewPieces(SoftBodyData& body, std::uint32_t i, double minDistance,
+                         SearchRegion& searchRegion) {
+  double& most = body.held.maxSearchDistance;
+  if (body.watch->on && searchRegion.distance > most)
+    searchRegion = searchRegionAround(body, i, std::max(most, minDistance));
+  for (;;) {
+    const bool mayShrink = body.watch->on && searchRegion.distance > minDistance;
+    const std::size_t before = body.held.pieces.size();
+    const PieceRange range = findPieces(body, i, searchRegion.box, mayShrink ? kMaxPieces + 1 : kNoLimit);
+    if (!mayShrink || range.end - range.begin <= kMaxPieces) return range;
+    body.held.pieces.resize(before);
+    most = std::max(0.5 * searchRegion.distance, minDistance);
+    searchRegion = searchRegionAround(body, i, most);
+  }
+}
+
 }  // namespace
 
-void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& searchRegion, btScalar tick) {
+double addStaticRows(SoftBodyData& body, std::uint32_t i, const PointSearch& search, btScalar tick) {
+  SearchRegion searchRegion = searchRegionFrom(body, i, search.velocity, search.time);
+  const double wholeDistance = searchRegion.distance;
   for (std::uint32_t p = 0; body.surface.overlapTicks > 0 && p < body.heldPartners.size(); ++p) {
     const HeldPartner& held = body.heldPartners[p];
     if (isPushedOut(body, held, i) && !isExcluded(body, i, held.object()))
@@ -396,15 +418,22 @@ void addStaticRows(SoftBodyData& body, std::uint32_t i, const SearchRegion& sear
           {held.out, held.out.dot(body.state.position.col(i)) - held.end, true});
   }
   const std::size_t before = body.held.pieces.size();
-  const PieceRange range = findPieces(body, i, searchRegion.box);
+  const double minDistance = searchRegionFrom(body, i, search.velocity, search.minTime).distance;
+  const PieceRange range = findFewPieces(body, i, minDistance, searchRegion);
   HeldPiece *first = range.first(body), *last = range.last(body);
-  if (first == last) return;
+  if (first == last) return searchRegion.distance;
   chooseSides(body, i, first, last);
-  if (!areFlatAround(first, last, body.state.position.col(i), radiusOf(body), searchRegion.distance,
-                     body.held.edgeKeys))
-    return addFollowingRows(body, i, searchRegion, range, tick);
-  addFlatRows(body, i, searchRegion, range, tick);
-  body.held.pieces.resize(before);
+  const bool staysInRegion =
+      searchRegion.distance == wholeDistance || search.time * search.velocity.norm() < searchRegion.distance;
+  if ((search.replacesPlanes || staysInRegion) &&
+      areFlatAround(first, last, body.state.position.col(i), radiusOf(body), searchRegion.distance,
+                    body.held.edgeKeys)) {
+    addFlatRows(body, i, searchRegion, range, tick);
+    body.held.pieces.resize(before);
+  } else {
+    addFollowingRows(body, i, searchRegion, range, tick);
+  }
+  return searchRegion.distance;
 }
 
 void addRows(SoftBodyData& body, std::uint32_t i, std::uint32_t number, const Vector3d& velocity, double time,

@@ -193,11 +193,13 @@ bool findNearestOnFaces(const btConvexShape& shape, const btTransform& pose, Sha
                         const Eigen::Vector3d& x, double reach, std::vector<HeldPiece>& scratch,
                         HeldPoint& nearest);
 
+constexpr std::size_t kNoLimit = static_cast<std::size_t>(-1);
+
 /// Adds the pieces of an object's shape in a box (m, in the world): convex solids whole, hulls of many faces
 /// and sheets as triangles. Each solid and each sheet is one owner, numbered from `owner` on. Returns the
-/// next number.
+/// next number. Stops at about `limit` pieces.
 std::uint32_t addPieces(const btCollisionObject& object, const Eigen::AlignedBox3d& box, ShapeCache& shapes,
-                        std::uint32_t owner, std::vector<HeldPiece>& pieces);
+                        std::uint32_t owner, std::vector<HeldPiece>& pieces, std::size_t limit = kNoLimit);
 
 /// Returns whether the pieces are flat within `searchRegion` of their points nearest to `x`, or farther away
 /// than that. `radius` is that of the point at x.

@@ -78,6 +78,9 @@ struct ContactSpeeds {
 /// A ContactWatch that is started in each tick.
 struct SearchWatch : ContactWatch {
   virtual void start(btScalar tick) = 0;
+
+  /// Sets the ball in which the contacts of point i are known.
+  virtual void setRegion(std::uint32_t i, const Eigen::Vector3d& center, double distance) = 0;
 };
 
 /// The contacts of a body in the last tick in which it was awake.

@@ -128,8 +128,8 @@ OnTriangle nearestOnTriangle(const HeldPiece& t, const Vector3d& x) {
   return {away, height, inside, inside || (away - height * t.center).norm() < kOnTriangle};
 }
 
-HeldPoint nearestOnSheet(const HeldPiece& sheet, const Vector3d& x) {
-  const auto [away, height, inside, above] = nearestOnTriangle(sheet, x);
+HeldPoint nearestOnSheet(const HeldPiece& sheet, const OnTriangle& on) {
+  const auto [away, height, inside, above] = on;
   const double side = sheet.metAbove ? sheet.side : height < 0.0 ? -1.0 : 1.0;
   if (above) return {side * sheet.center, side * height - sheet.margin, inside};
   return outside(away, sheet, false);
@@ -277,12 +277,13 @@ bool isFlushWithFace(const std::vector<HeldContact>& contacts, const HeldContact
   });
 }
 
-/// Updates the side of a sheet on which the point is. The side stays the same while the point is above or
-/// below the triangle: a point that has penetrated it is pushed back.
-void updateSide(HeldPiece& sheet, const Vector3d& x) {
+/// Returns the nearest point on a sheet, whose side on which the point x is it updates. The side stays the
+/// same while the point is above or below the triangle: a point that has penetrated it is pushed back.
+HeldPoint meetSheet(HeldPiece& sheet, const Vector3d& x) {
   const OnTriangle nearest = nearestOnTriangle(sheet, x);
   if (!nearest.above || !sheet.metAbove) sheet.side = nearest.height < 0.0 ? -1 : 1;
   sheet.metAbove = nearest.above;
+  return nearestOnSheet(sheet, nearest);
 }
 
 /// Returns the path of a point that slides on the face that it hits first. Pieces on the straight path beyond
@@ -341,7 +342,7 @@ HeldPoint nearestOn(const HeldPiece* first, const HeldPiece* end, const Vector3d
     case Kind::Sheet:
       break;
   }
-  return nearestOnSheet(*first, x);
+  return nearestOnSheet(*first, nearestOnTriangle(*first, x));
 }
 
 kernel::Capsule<double> capsuleOf(const HeldPiece& piece) {
@@ -384,8 +385,7 @@ void findContacts(HeldNeighbourhood& around, const Vector3d& x, const Vector3d& 
   for (HeldPiece *first = begin, *next = begin; first != end; first = next) {
     next = const_cast<HeldPiece*>(endOfSolid(first, end));
     if (isFar(*first, x, around.radius + far)) continue;
-    if (first->kind == Kind::Sheet) updateSide(*first, x);
-    const HeldPoint nearest = nearestOn(first, next, x);
+    const HeldPoint nearest = first->kind == Kind::Sheet ? meetSheet(*first, x) : nearestOn(first, next, x);
     minGap = std::min(minGap, nearest.height - around.radius);
     const Approach approach{first, next, x, path, around.radius};
     HeldContact c;

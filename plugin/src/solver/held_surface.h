@@ -56,6 +56,7 @@ struct HeldContact {
 struct HeldSurroundings {
   std::vector<HeldPiece> pieces;
   std::vector<std::uint64_t> edgeKeys;  ///< scratch
+  double maxSearchDistance = 0.0;  ///< m, within which a point has few pieces; infinite: all have few so far
 };
 
 /// The pieces near one point.
