@@ -8,15 +8,10 @@
 #include "mesh/triangle_bvh.h"
 #include "network/modes.h"
 
-#include <limber/spring_network.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

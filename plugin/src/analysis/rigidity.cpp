@@ -12,13 +12,8 @@
 #include <Eigen/SparseCore>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <numeric>
-#include <vector>
 
 namespace limber {
 namespace {

@@ -17,10 +17,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdint>
-#include <functional>
 #include <thread>
-#include <vector>
 
 namespace limber {
 

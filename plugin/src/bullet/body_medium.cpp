@@ -8,8 +8,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 

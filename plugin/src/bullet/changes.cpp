@@ -4,16 +4,10 @@
 // on it.
 
 #include "bullet/body_in_world.h"
-#include "mesh/linear_algebra.h"
 
 #include <Eigen/LU>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
 #include <set>
-#include <string>
-#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

@@ -7,7 +7,6 @@
 #include "bullet/contact_report.h"
 #include "bullet/tick_hook.h"
 
-#include <algorithm>
 #include <new>
 #include <tuple>
 

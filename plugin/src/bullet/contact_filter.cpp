@@ -3,14 +3,9 @@
 // This file shows contacts to the user's filter and applies its answers.
 
 #include "bullet/contact_report.h"
-#include "bullet/rigid_shapes.h"
 #include "bullet/system_impl.h"
-#include "mesh/surface.h"
 
 #include <LinearMath/btAabbUtil2.h>
-
-#include <algorithm>
-#include <limits>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

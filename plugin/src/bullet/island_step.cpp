@@ -4,10 +4,6 @@
 
 #include "bullet/linked_group.h"
 
-#include <algorithm>
-#include <cmath>
-#include <mutex>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace limber {

@@ -7,8 +7,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
 

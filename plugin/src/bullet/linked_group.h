@@ -6,17 +6,10 @@
 #pragma once
 
 #include "bullet/kinematic_motion.h"
-#include "bullet/parallel.h"
-#include "bullet/soft_body_data.h"
 #include "bullet/surface_gather.h"
-#include "bullet/tick_contacts.h"
 #include "collide/relative_motion.h"
-#include "mesh/surface.h"
-#include "solver/simd_steps.h"
-#include "solver/verlet_step.h"
 
 #include <limber/soft_body_system.h>
-#include <limber/spring_constraint.h>
 
 #include <chrono>
 #include <memory>

@@ -7,11 +7,7 @@
 #include "bullet/point_contacts.h"
 #include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/rigid_shapes.h"
 #include "bullet/tick_contacts.h"
-
-#include <algorithm>
-#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

@@ -9,7 +9,6 @@
 
 #include <LinearMath/btConvexHullComputer.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>

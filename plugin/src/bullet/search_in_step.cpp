@@ -7,7 +7,6 @@
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace limber {

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

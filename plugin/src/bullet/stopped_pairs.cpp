@@ -5,9 +5,6 @@
 
 #include "bullet/surface_gather.h"
 
-#include <algorithm>
-#include <cstddef>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {

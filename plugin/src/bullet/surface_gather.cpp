@@ -9,11 +9,6 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "bullet/rigid_shapes.h"
-#include "bullet/tick_contacts.h"
-
-#include <algorithm>
-#include <mutex>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

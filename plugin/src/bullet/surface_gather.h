@@ -6,10 +6,8 @@
 #pragma once
 
 #include "bullet/parallel.h"
-#include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
-#include "collide/surface_contacts.h"
 
 #include <vector>
 

@@ -5,12 +5,9 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/point_contacts.h"
-#include "mesh/linear_algebra.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-
-#include <cmath>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

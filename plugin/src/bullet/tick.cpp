@@ -8,12 +8,6 @@
 
 #include <limber/grab.h>
 
-#include <algorithm>
-#include <cmath>
-#include <mutex>
-#include <string>
-#include <utility>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {

@@ -9,9 +9,7 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
 #include <functional>
-#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

@@ -3,10 +3,6 @@
 // with each other.
 #include "collide/feature_contacts.h"
 
-#include "mesh/surface.h"
-
-#include <algorithm>
-#include <limits>
 #include <tuple>
 
 namespace limber {

@@ -5,7 +5,6 @@
 // surface_contacts.cpp reduces to contacts.
 
 #include "collide/surface_contacts.h"
-#include "mesh/surface.h"
 
 namespace limber {
 

@@ -6,8 +6,6 @@
 #include "mesh/surface.h"
 #include "solver/point_state.h"
 
-#include <limber/result.h>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

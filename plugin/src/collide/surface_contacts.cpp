@@ -4,11 +4,8 @@
 #include "collide/surface_contacts.h"
 
 #include "collide/feature_contacts.h"
-#include "mesh/surface.h"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 #include <tuple>
 
 namespace limber {

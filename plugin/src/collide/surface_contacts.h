@@ -5,7 +5,6 @@
 // contacts of the last search.
 
 #include "collide/near_features.h"
-#include "collide/surface.h"
 
 #include <array>
 #include <cstdint>

@@ -2,13 +2,6 @@
 // Builds the topology of a surface, and tests directions with the normal cones of its edges and vertices.
 #include "collide/surface.h"
 
-#include "mesh/surface.h"
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <string>
-
 namespace limber {
 namespace {
 

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "collide/surface.h"
 
-#include "mesh/surface.h"
-
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 namespace limber {
 namespace {

@@ -11,12 +11,7 @@
 #include "network/tetrahedra.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

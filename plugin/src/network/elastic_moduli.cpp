@@ -3,15 +3,7 @@
 
 #include "network/material.h"
 
-#include "mesh/linear_algebra.h"
-#include "mesh/surface.h"
 #include "network/masses.h"
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace limber {
 namespace {

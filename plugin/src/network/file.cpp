@@ -7,17 +7,9 @@
 #include "mesh/bytes.h"
 #include "mesh/surface.h"
 
-#include <limber/result.h>
-
 #include <cctype>
-#include <cstddef>
-#include <cstdint>
 #include <cstdio>
-#include <memory>
-#include <string>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 namespace limber {
 

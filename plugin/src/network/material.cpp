@@ -2,20 +2,10 @@
 // Builds networks of tetrahedra with the elasticity of a material, and chooses the settings of a body with
 // the requested elasticity. Distributes the mass of a body of tetrahedra over its points.
 
-#include <limber/network_builder.h>
-
-#include "mesh/linear_algebra.h"
-#include "mesh/surface.h"
 #include "network/masses.h"
 #include "network/material.h"
-#include "network/tetrahedra.h"
 
 #include <limber/cook.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <utility>
 
 namespace limber {
 namespace {

@@ -7,7 +7,6 @@
 #include "network/tetrahedra.h"
 
 #include <limber/network_builder.h>
-#include <limber/spring_network.h>
 
 #include <Eigen/Core>
 

@@ -8,21 +8,10 @@
 #include "mesh/random.h"
 #include "mesh/surface.h"
 #include "network/modes.h"
-#include "solver/point_state.h"
 #include "solver/simd_steps.h"
-#include "solver/springs.h"
 #include "solver/stepping_choice.h"
-#include "solver/verlet_step.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <list>
-#include <vector>
 
 namespace limber {
 namespace {

@@ -3,13 +3,9 @@
 // their relaxation.
 #pragma once
 
-#include "solver/point_state.h"
 #include "solver/verlet_step.h"
 
 #include <limber/network_builder.h>
-#include <limber/parallel_for.h>
-#include <limber/soft_body_settings.h>
-#include <limber/spring_network.h>
 
 #include <cstdint>
 #include <functional>

@@ -5,21 +5,8 @@
 #include "network/solid_responses.h"
 
 #include "mesh/linear_algebra.h"
-#include "mesh/surface.h"
 #include "network/masses.h"
 #include "network/modes.h"
-
-#include <limber/mesh.h>
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <optional>
-#include <utility>
-#include <vector>
 
 namespace limber {
 

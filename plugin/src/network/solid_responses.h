@@ -5,8 +5,6 @@
 
 #include "network/tetrahedra.h"
 
-#include <limber/spring_network.h>
-
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 

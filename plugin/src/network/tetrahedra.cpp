@@ -5,18 +5,6 @@
 #include "network/tetrahedra.h"
 
 #include "mesh/linear_algebra.h"
-#include "mesh/surface.h"
-#include "mesh/triangle_bvh.h"
-
-#include <limber/mesh.h>
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

@@ -4,15 +4,7 @@
 
 #include "network/tetrahedra.h"
 
-#include "mesh/surface.h"
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <tuple>
-#include <utility>
 
 namespace limber {
 namespace {

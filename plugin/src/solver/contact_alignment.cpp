@@ -4,10 +4,6 @@
 
 #include <Eigen/LU>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 namespace limber {
 namespace {
 

@@ -3,10 +3,7 @@
 // point masses and rigid bodies of the rows.
 #include "solver/contact_row.h"
 
-#include <algorithm>
-#include <cstdint>
 #include <numeric>
-#include <utility>
 
 namespace limber {
 namespace {

@@ -5,11 +5,7 @@
 #include "mesh/surface.h"
 #include "solver/contact_row.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
-
-#include <algorithm>
-#include <cmath>
 
 namespace limber {
 namespace {

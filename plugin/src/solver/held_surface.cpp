@@ -2,12 +2,10 @@
 #include "solver/held_surface.h"
 
 #include "mesh/surface.h"
-#include "solver/plane_kernel.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cmath>
 
 namespace limber {
 namespace {

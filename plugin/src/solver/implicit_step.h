@@ -4,7 +4,6 @@
 // Steps a soft body by the implicit midpoint rule, with its contacts.
 
 #include "solver/midpoint_solver.h"
-#include "solver/plane_contacts.h"
 #include "solver/verlet_step.h"
 
 #include <vector>

@@ -2,9 +2,6 @@
 // Solves contacts in a substep of the implicit midpoint rule.
 #include "solver/implicit_step.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace limber {
 namespace {
 

@@ -2,10 +2,6 @@
 // Assembles, factorises and solves the linear systems of the implicit midpoint rule.
 #include "solver/midpoint_solver.h"
 
-#include <Eigen/SparseCore>
-
-#include <algorithm>
-
 namespace limber {
 
 // --- a matrix of blocks ------------------------------------------------------------------------------------

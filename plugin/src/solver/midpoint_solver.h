@@ -5,7 +5,6 @@
 // method.
 
 #include "mesh/linear_algebra.h"
-#include "solver/point_state.h"
 #include "solver/springs.h"
 #include "solver/volumes.h"
 

@@ -3,7 +3,6 @@
 
 #include "solver/division.h"
 #include "solver/held_surface.h"
-#include "solver/plane_kernel.h"
 #include "solver/point_state.h"
 
 #include <algorithm>

@@ -4,9 +4,6 @@
 
 #include "solver/lane_kernels.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <initializer_list>
 

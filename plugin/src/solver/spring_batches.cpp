@@ -4,9 +4,6 @@
 
 #include "solver/lane_kernels.h"
 
-#include <algorithm>
-#include <cstddef>
-
 #if !defined(LIMBER_HAS_X86_LANES) && !defined(LIMBER_HAS_NEON_LANES)
 namespace limber::kernel {
 // never called, see canStepSpringBatches()

@@ -8,7 +8,6 @@
 #include "solver/verlet_kernel.h"
 
 #include <limber/soft_body_settings.h>
-#include <limber/spring_network.h>
 
 #include <algorithm>
 #include <cmath>

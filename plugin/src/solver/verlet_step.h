@@ -4,14 +4,9 @@
 // Velocity Verlet for a single soft body, or for several together with the rigid bodies coupled to them.
 
 #include "solver/contacts.h"
-#include "solver/links.h"
 #include "solver/medium.h"
 #include "solver/motion_sums.h"
-#include "solver/plane_contacts.h"
-#include "solver/point_state.h"
 #include "solver/springs.h"
-#include "solver/team.h"
-#include "solver/verlet_kernel.h"
 #include "solver/volumes.h"
 
 #include <array>

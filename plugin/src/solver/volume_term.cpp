@@ -4,10 +4,6 @@
 
 #include "mesh/surface.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 namespace limber {
 namespace {
 
