@@ -6,7 +6,7 @@
 
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
-#include "network/modes.h"
+#include "network/stability.h"
 
 #include <algorithm>
 #include <cmath>

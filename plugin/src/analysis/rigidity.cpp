@@ -7,7 +7,7 @@
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "network/modes.h"
+#include "network/stability.h"
 
 #include <Eigen/SparseCore>
 

@@ -7,7 +7,6 @@
 
 #include "bullet/kinematic_motion.h"
 #include "bullet/surface_gather.h"
-#include "collide/relative_motion.h"
 
 #include <limber/soft_body_system.h>
 

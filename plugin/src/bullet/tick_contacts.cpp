@@ -9,8 +9,6 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 
-#include <functional>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 

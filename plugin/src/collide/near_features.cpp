@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "collide/near_features.h"
+#include "collide/surface_contacts.h"
 
 #include <cmath>
 

@@ -5,8 +5,7 @@
 #include "network/bracing.h"
 
 #include "mesh/random.h"
-#include "network/modes.h"
-#include "network/relaxation.h"
+#include "network/stability.h"
 
 #include <atomic>
 #include <thread>

@@ -4,7 +4,6 @@
 
 #include "network/material.h"
 
-#include "network/solid_responses.h"
 
 #include <map>
 

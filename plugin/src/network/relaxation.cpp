@@ -2,12 +2,11 @@
 // Deforms bodies of a network and relaxes them: first lightly damped dynamics of many of them at once, then a
 // descent to the minimum of the energy.
 
-#include "network/relaxation.h"
 
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "network/modes.h"
+#include "network/stability.h"
 #include "solver/simd_steps.h"
 #include "solver/stepping_choice.h"
 

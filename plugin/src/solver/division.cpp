@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Orders the springs and tetrahedra of a body and divides them among threads.
-#include "solver/division.h"
+#include "solver/springs.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
 #include <numeric>
 
 namespace limber {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "solver/division.h"
+#include "solver/springs.h"
 #include "solver/held_surface.h"
-#include "solver/point_state.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,6 @@
 // The frequencies at which a body oscillates, the stepper and number of substeps that these require, and
 // softer constants for bodies whose budget of substeps does not resolve their stiffness.
 
-#include "solver/springs.h"
 #include "solver/volumes.h"
 
 #include <memory>

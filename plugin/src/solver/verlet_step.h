@@ -6,7 +6,6 @@
 #include "solver/contacts.h"
 #include "solver/medium.h"
 #include "solver/motion_sums.h"
-#include "solver/springs.h"
 #include "solver/volumes.h"
 
 #include <array>
@@ -87,7 +86,7 @@ struct BodyPart {
   bool isWhole() const { return end == kWhole; }
 };
 
-/// The tasks of a step. Only bodies that several threads step are divided (see division.h).
+/// The tasks of a step. Only bodies that several threads step are divided (see Division).
 struct StepParts {
   std::vector<BodyPart> points;    ///< of Division::points, if divided
   std::vector<BodyPart> contacts;  ///< ranges of points whose plane contacts are solved by one task
