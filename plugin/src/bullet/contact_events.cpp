@@ -278,7 +278,6 @@ void ContactEvents::setListener(ContactListener* listener,
   for (const auto& body : bodies) dataOf(*body).touching.clear();
 }
 
-/// Adds the end of a pair.
 void ContactEvents::addEnd(SoftBodyData& body, const TouchingPair& ended) {
   ContactPair pair;
   pair.body = body.handle;
@@ -287,7 +286,6 @@ void ContactEvents::addEnd(SoftBodyData& body, const TouchingPair& ended) {
   events_.push_back({&ContactListener::contactEnds, &body, ended.other, pair});
 }
 
-/// Ends the pairs for which ends(pair) is true.
 template <class Ends>
 void ContactEvents::endPairs(SoftBodyData& body, Ends ends) {
   const auto endIf = [&](const TouchingPair& pair) {

@@ -205,12 +205,6 @@ void reportLateContacts(Island& island, TickContacts& found) {
   }
 }
 
-/// Writes the impulses of the step to the plane contacts of points.
-void storePlaneImpulses(Island& island) {
-  for (std::size_t i = 0; i < island.rows.size(); ++i)
-    island.rows[i]->impulse = island.step.pairs.contacts[island.contacts.size() + i].impulse;
-}
-
 void copyContact(const Contact& contact, Contact& found) {
   const std::uint32_t a = found.a.body, b = found.b.body;
   found = contact;
@@ -332,7 +326,8 @@ void writeIslandToBullet(Island& island, TickContacts& found, btScalar tick) {
   reportLateContacts(island, found);
   for (std::size_t i = 0; i < island.joints.size(); ++i)
     found.joints[island.joints[i]].impulse = pairs.joints[i].impulse;
-  storePlaneImpulses(island);
+  for (std::size_t i = 0; i < island.rows.size(); ++i)
+    island.rows[i]->impulse = pairs.contacts[island.contacts.size() + i].impulse;
   copyToGroups(island);
   const std::size_t first = firstOwnRigid(island);
   for (std::size_t i = 0; i < island.rigids.size(); ++i)

@@ -90,7 +90,6 @@ struct SleepBox {
   LinkedGroup* group;               ///< of the soft body
 };
 
-/// Scratch of updateSleep().
 struct SleepScratch {
   std::vector<unsigned char> islands;  ///< Bullet's islands of the last tick, by tag: 1 with awake bodies
   std::vector<SleepBox> awake, quiet;  ///< `quiet`: of groups that sleep or want to, sorted by the lowest x
@@ -141,7 +140,6 @@ void chooseStepping(LinkedGroup& group, double tick);
 /// not rise as long as that is so. `joined`: the island has joints, whose limit needs the work of drag.
 void limitIslandEnergy(LinkedGroup& group, bool alone, bool bouncing, bool joined);
 
-/// Returns whether the surfaces of all these contacts are at rest.
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);
 
 /// Whether a body of the group has an error tolerance. A tick may then be stepped again.

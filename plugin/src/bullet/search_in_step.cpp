@@ -36,12 +36,11 @@ class Motions {
   /// Adds the motions of what the rigid bodies touch in Bullet.
   void addManifolds(btDispatcher& dispatcher) {
     if (rigids_.empty()) return;
-    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-      const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
-      if (manifold.getNumContacts() == 0) continue;
+    forEachManifold(dispatcher, [&](const btPersistentManifold& manifold) {
+      if (manifold.getNumContacts() == 0) return;
       addTouched(*manifold.getBody0(), *manifold.getBody1());
       addTouched(*manifold.getBody1(), *manifold.getBody0());
-    }
+    });
   }
 
   AlignedBox3d& of(SoftBodyData& body) { return body.surface.motions; }
@@ -266,7 +265,7 @@ void renew(Contact& stored, const Contact& contact) {
   const ContactImpulse positionImpulse = stored.positionImpulse, velocityImpulse = stored.velocityImpulse;
   const TickImpulse impulse = stored.impulse;
   stored = contact;
-  stored.positionImpulse = positionImpulse, stored.velocityImpulse = velocityImpulse,
+  stored.positionImpulse = positionImpulse, stored.velocityImpulse = velocityImpulse;
   stored.impulse = impulse;
 }
 
@@ -393,8 +392,6 @@ void findMotions(Island& island, const std::vector<PointView>& views, Team& team
 /// Candidates that one task searches.
 constexpr std::uint32_t kCandidatesPerTask = 8;
 
-bool touchesKinematic(const IslandPair& m) { return m.surfaces->held && isMoved(*m.surfaces->held); }
-
 /// Lists the candidates with this period, and their bodies.
 void listSearched(Island& island, std::uint32_t period) {
   island.searched.clear();
@@ -406,8 +403,7 @@ void listSearched(Island& island, std::uint32_t period) {
     island.moved.push_back(m.a);
     if (m.surfaces->other) island.moved.push_back(m.b);
   }
-  std::sort(island.moved.begin(), island.moved.end());
-  island.moved.erase(std::unique(island.moved.begin(), island.moved.end()), island.moved.end());
+  sortUnique(island.moved);
   if (island.inStep.size() < island.searched.size()) island.inStep.resize(island.searched.size());
 }
 
@@ -448,7 +444,8 @@ void searchInStep(void* context, SolverIsland& group, Team& team, double since, 
   Island& island = *c.island;
   // islands share the parts of kinematic objects, which are moved to the time of the search
   std::unique_lock<std::mutex> lock(*c.lock, std::defer_lock);
-  if (std::any_of(island.candidates.begin(), island.candidates.end(), touchesKinematic)) lock.lock();
+  const auto isMovedPart = [](const IslandPair& m) { return m.surfaces->held && isMoved(*m.surfaces->held); };
+  if (std::any_of(island.candidates.begin(), island.candidates.end(), isMovedPart)) lock.lock();
   const double tick = c.found->tick;
   findMotions(island, group.links.views, team);
   const std::uint32_t longest = findDue(island, ahead, tick);

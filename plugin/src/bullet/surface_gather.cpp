@@ -153,7 +153,6 @@ double featureSize(const MovingSurface& surface) {
   return size > 0.0 ? size : surface.radius;
 }
 
-/// Returns the surface on side b.
 const MovingSurface& surfaceB(const SurfaceCandidate& m) {
   if (m.other) return m.other->surface.moving;
   return m.part->moving;
@@ -329,7 +328,6 @@ double predictedDisplacement(const SurfaceCandidate& m) {
   return std::min(still, relativeMotion(motionA, motionB, frame).speed(features));
 }
 
-/// Adds a candidate and its contacts to `found`.
 void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contacts, double tick,
                   SurfaceSearch& s, TickContacts& found) {
   m.first = static_cast<std::uint32_t>(found.contacts.size());

@@ -167,7 +167,6 @@ void shift(PointState& s, Eigen::Index i, const Vector3d& displacement, const Ve
   s.velocity.col(i) += moves.select(change, 0.0).matrix();
 }
 
-/// Changes velocity and spin of the body.
 void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin) {
   PointState& s = body.state;
   const Vector3d center = centerOfFree(s, s.position);

@@ -256,7 +256,6 @@ Result<CookedFilling> fillThickened(Builder& builder, const Part& part, const So
 /// parts have more mass than those of the mesh, by two thirds for a star; more points only cost time.
 constexpr double kMostExact = 1.5, kMorePoints = 1.15;
 
-/// Returns whether the filling follows all parts of the mesh.
 bool follows(const Part& part, const TetrahedralMesh& filling, double spacing) {
   return isConnected(filling) && largestMiss(part.welded, filling) < kMissed * spacing;
 }

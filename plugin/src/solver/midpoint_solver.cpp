@@ -5,6 +5,8 @@
 
 #include "solver/implicit_step.h"
 
+#include "mesh/surface.h"
+
 namespace limber {
 
 // --- a matrix of blocks ------------------------------------------------------------------------------------
@@ -32,8 +34,7 @@ std::vector<std::uint32_t> sparseOrder(const std::vector<PointPair>& joined, std
 
 void addUnique(std::vector<std::uint32_t>& to, std::vector<std::uint32_t>& added) {
   to.insert(to.end(), added.begin(), added.end());
-  std::sort(to.begin(), to.end());
-  to.erase(std::unique(to.begin(), to.end()), to.end());
+  sortUnique(to);
 }
 
 /// The elimination of a column joins its rows with each other: it suffices to add them to the column of the
