@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// This file shows contacts to the user's filter and applies its answers, calls a listener when contacts begin,
-// persist and end, and adds manifolds for contacts of surfaces to Bullet's dispatcher between ticks.
+// This file shows contacts to the user's filter and applies its answers, calls a listener when contacts
+// begin, persist and end, and adds manifolds for contacts of surfaces to Bullet's dispatcher between ticks.
 
 #include "bullet/contact_report.h"
 

@@ -6,8 +6,8 @@
 #pragma once
 
 #include "collide/surface.h"
-#include "solver/held_surface.h"
 #include "solver/links.h"
+#include "solver/plane_contacts.h"
 
 #include <limber/bullet_precision.h>
 

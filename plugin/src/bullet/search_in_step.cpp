@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 
 // This file finds the pairs of surfaces that touch only within a step, and their contacts. Some move together
-// and touch because something stops one of them: of a falling stack the lowest body hits the floor, and within
-// the same tick the next one hits the lowest. The contacts of an island are searched in rounds between its
-// substeps, in which each pair of surfaces takes part that has moved far enough since its last search.
+// and touch because something stops one of them: of a falling stack the lowest body hits the floor, and
+// within the same tick the next one hits the lowest. The contacts of an island are searched in rounds between
+// its substeps, in which each pair of surfaces takes part that has moved far enough since its last search.
 
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"

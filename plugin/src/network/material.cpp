@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 
 // This file measures the moduli of a body of springs: it solves for its small displacements under uniform
-// stresses. It builds networks of tetrahedra with the elasticity of a material, chooses the settings of a body
-// with the requested elasticity, and distributes the mass of a body of tetrahedra over its points.
+// stresses. It builds networks of tetrahedra with the elasticity of a material, chooses the settings of a
+// body with the requested elasticity, and distributes the mass of a body of tetrahedra over its points.
 
 #include "network/material.h"
 

@@ -4,7 +4,6 @@
 
 #include "network/material.h"
 
-
 #include <map>
 
 namespace limber {

@@ -2,7 +2,6 @@
 // Deforms bodies of a network and relaxes them: first lightly damped dynamics of many of them at once, then a
 // descent to the minimum of the energy.
 
-
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// Steps a soft body by the implicit midpoint rule, with its contacts. Its linear systems have a constant matrix
-// that bodies share, or that of Newton's method.
+// Steps a soft body by the implicit midpoint rule, with its contacts. Its linear systems have a constant
+// matrix that bodies share, or that of Newton's method.
 
 #pragma once
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 
-// The springs of a body: their order and division among threads, constants, forces, elastic limits and dampers.
+// The springs of a body: their order and division among threads, constants, forces, elastic limits and
+// dampers.
 
 #pragma once
 

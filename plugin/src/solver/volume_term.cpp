@@ -213,8 +213,7 @@ VolumeConstants closedSurfaces(const SpringNetwork& network, const Points& rest)
   v.firstTriangle = {0};
   v.componentOf.assign(network.restPoints.size(), 0);
   if (!hasSurface(network)) return v;
-  for (const std::vector<Triangle>& component :
-       trianglesOfPieces(network.restPoints.size(), network.surface))
+  for (const std::vector<Triangle>& component : trianglesOfPieces(network.restPoints.size(), network.surface))
     if (findEdgeDefects(component).none()) addComponent(v, component, rest);
   return v;
 }
