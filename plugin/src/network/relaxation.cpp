@@ -306,10 +306,6 @@ struct Dynamics {
   }
 };
 
-double timeOf(const Dynamics& dynamics, const Run& run) {
-  return run.substeps * std::ldexp(dynamics.step, -run.halvings);
-}
-
 bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
   const double squaredSpeed =
       run.state.velocity.squaredNorm() / static_cast<double>(run.state.velocity.cols());
@@ -420,7 +416,7 @@ void advance(Dynamics& dynamics, std::list<Run>& runs, Starts& starts) {
   for (Run& run : runs) chooseStep(dynamics, run);
   stepAll(dynamics, runs);
   for (auto run = runs.begin(); run != runs.end();) {
-    const double time = timeOf(dynamics, *run);
+    const double time = run->substeps * std::ldexp(dynamics.step, -run->halvings);
     run->time += time;
     ++run->checks;
     run->state.velocity /= 1.0 + kRelaxationDrag * time;

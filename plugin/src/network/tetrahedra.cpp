@@ -116,10 +116,6 @@ namespace {
 
 using Indices = std::vector<std::uint32_t>;
 
-bool hasPoint(const Tetrahedron& t, std::uint32_t point) {
-  return std::find(t.begin(), t.end(), point) != t.end();
-}
-
 /// Groups the `subset` (ascending) of tetrahedra: faces that contain all points of `hub` join them. Returns
 /// for each one the first member of its group, as an index into `subset`.
 Indices groupAround(const std::vector<Tetrahedron>& tetrahedra, const FaceNeighbours& neighbours,
@@ -174,8 +170,10 @@ bool removeAtNonManifoldEdges(TetrahedralMesh& mesh) {
   std::vector<char> marked(mesh.tetrahedra.size(), 0);
   for (const Edge& edge : nonManifold) {
     Indices subset;
-    for (const std::uint32_t t : at[edge[0]])
-      if (hasPoint(mesh.tetrahedra[t], edge[1])) subset.push_back(t);
+    for (const std::uint32_t t : at[edge[0]]) {
+      const Tetrahedron& corners = mesh.tetrahedra[t];
+      if (std::find(corners.begin(), corners.end(), edge[1]) != corners.end()) subset.push_back(t);
+    }
     markSmaller(mesh, subset, groupAround(mesh.tetrahedra, neighbours, subset, {edge[0], edge[1]}), marked);
   }
   removeMarked(mesh.tetrahedra, marked);
