@@ -180,7 +180,6 @@ class LoneGroups {
   void step(const AwakeGroups& groups, double tick, const Parallel& parallel, TickProfile& profile);
 
  private:
-  /// Memory for a block.
   struct Block {
     AwakeGroups groups;
     std::size_t forLanes = 0;       ///< number of the first groups, which can share lanes

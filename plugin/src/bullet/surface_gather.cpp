@@ -462,13 +462,6 @@ bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   return areLeavesNear(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting);
 }
 
-Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint) {
-  Vector3d x = Vector3d::Zero();
-  for (int i = 0; i < 3; ++i)
-    x += surfacePoint.weights[i] * surface.position->col(surfacePoint.points[static_cast<std::size_t>(i)]);
-  return x;
-}
-
 void moveInStep(SoftBodyData& body, const PointView& points, const TimeInStep& time) {
   SurfaceData& s = body.surface;
   s.positionInStep.resize(3, s.motion.cols());

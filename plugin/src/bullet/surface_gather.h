@@ -131,9 +131,6 @@ void movePartInStep(const SurfaceCandidate& candidate, const RigidState* rigid, 
 void findContactsInStep(const SurfaceCandidate& candidate, const RigidState* rigid, const TimeInStep& time,
                         SurfaceSearch& search, ContactsInStep& found);
 
-/// Returns the position (m) of a point on a surface.
-Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint);
-
 // --- contacts with static and kinematic objects ------------------------------------------------------------
 
 /// Returns the features whose contacts those of the points replace: the points, and the edges on the side of

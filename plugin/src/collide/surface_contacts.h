@@ -101,6 +101,9 @@ struct SurfacePoint {
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of the corners, 0 or more, sum 1
 };
 
+/// Returns the position (m) of a point of a surface at a time of the tick.
+Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point, double time = 0.0);
+
 /// A contact of two surfaces. It must satisfy
 ///     gap(t) = normal . (point on a - point on b) - both radii >= 0
 struct SurfaceContact {

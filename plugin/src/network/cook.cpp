@@ -213,7 +213,6 @@ double thickSpacing(const Solid& solid, double points) {
 /// exact anyway, so that they return from large deformations counts more.
 constexpr double kExactGrowth = 0.2, kRobustGrowth = 0.5;
 
-/// A filling.
 struct CookedFilling {
   TetrahedralMesh mesh;
   double spacing = 0.0;      ///< m

@@ -31,7 +31,6 @@ Positions scaledPoints(const ElasticBody& body) {
   return points;
 }
 
-/// Returns the points as columns.
 Eigen::Map<const MatrixXd> asMatrix(const Positions& points) {
   return {points.front().data(), 3, static_cast<Index>(points.size())};
 }

@@ -440,7 +440,6 @@ bool follows(const Contact& c) {
   return c.held || c.corners.count > 0 || c.spheres > 0.0;
 }
 
-/// Sets `following`.
 void listFollowing(IslandConstraints& rows) {
   rows.following.clear();
   for (RowSet& set : rows.sets) {
