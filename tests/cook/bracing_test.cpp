@@ -7,7 +7,7 @@
 #include "mesh/random.h"
 #include "mesh/triangle_bvh.h"
 #include "network/material.h"
-#include "network/modes.h"
+#include "network/stability.h"
 #include "solver/volumes.h"
 #include "support/elastic_measures.h"
 #include "support/network_shapes.h"

@@ -4,7 +4,7 @@
 
 #include "cook/cooked_figure.h"
 #include "mesh/linear_algebra.h"
-#include "network/relaxation.h"
+#include "network/stability.h"
 #include "solver/springs.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"

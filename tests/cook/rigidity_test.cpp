@@ -4,7 +4,7 @@
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "network/modes.h"
+#include "network/stability.h"
 #include "support/network_shapes.h"
 #include "support/networks.h"
 #include "support/small_meshes.h"

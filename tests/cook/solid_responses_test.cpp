@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 // The reference of a material's springs: solids of finite elements, compared with closed forms.
-#include "network/solid_responses.h"
 
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"

@@ -2,7 +2,7 @@
 #include "analysis/analysis.h"
 
 #include "mesh/random.h"
-#include "network/relaxation.h"
+#include "network/stability.h"
 #include "solver/springs.h"
 #include "solver/verlet_step.h"
 #include "solver/volumes.h"

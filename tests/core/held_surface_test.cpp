@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of points with the static surfaces around them.
-#include "solver/held_surface.h"
 
 #include "solver/plane_contacts.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The implicit steppers without Bullet, compared with closed forms, conservation laws, and Verlet.
 #include "solver/implicit_step.h"
-#include "solver/midpoint_solver.h"
 #include "solver/point_state.h"
 #include "solver/springs.h"
 #include "support/networks.h"

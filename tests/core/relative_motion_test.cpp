@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // How fast surfaces move past each other, against the velocities of their points.
-#include "collide/relative_motion.h"
+#include "collide/surface.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>

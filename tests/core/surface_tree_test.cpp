@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Bounding box trees compared with tests of all pairs, and the inside test of a box.
-#include "collide/near_features.h"
+#include "collide/surface_contacts.h"
 #include "mesh/surface.h"
 #include "support/moving_shapes.h"
 

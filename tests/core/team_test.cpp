@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Threads that step one body together: the team, the division of springs and tetrahedra, and equal bits.
 #include "solver/team.h"
-#include "solver/division.h"
 #include "solver/simd_steps.h"
+#include "solver/springs.h"
 #include "support/networks.h"
 #include "support/stepped_body.h"
 

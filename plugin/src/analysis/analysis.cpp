@@ -6,17 +6,12 @@
 
 #include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
-#include "network/modes.h"
-
-#include <limber/spring_network.h>
+#include "network/stability.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

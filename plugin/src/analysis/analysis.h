@@ -3,9 +3,6 @@
 #pragma once
 
 #include <limber/network_analysis.h>
-#include <limber/network_builder.h>
-#include <limber/soft_body_settings.h>
-#include <limber/spring_network.h>
 
 #include <Eigen/Core>
 

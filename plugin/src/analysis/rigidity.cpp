@@ -7,18 +7,13 @@
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "network/modes.h"
+#include "network/stability.h"
 
 #include <Eigen/SparseCore>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <numeric>
-#include <vector>
 
 namespace limber {
 namespace {

@@ -7,20 +7,8 @@
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "network/modes.h"
-#include "network/relaxation.h"
-#include "solver/springs.h"
+#include "network/stability.h"
 #include "solver/stepping_choice.h"
-#include "solver/verlet_step.h"
-#include "solver/volumes.h"
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <thread>
-#include <vector>
 
 namespace limber {
 

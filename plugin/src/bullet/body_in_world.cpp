@@ -6,11 +6,6 @@
 #include "bullet/body_in_world.h"
 
 #include "bullet/point_contacts.h"
-#include "solver/midpoint_solver.h"
-
-#include <algorithm>
-#include <cstdio>
-#include <string>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

@@ -6,9 +6,6 @@
 #pragma once
 
 #include "bullet/soft_body_data.h"
-#include "collide/surface.h"
-
-#include <limber/result.h>
 
 #include <map>
 #include <memory>

@@ -8,8 +8,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -46,8 +44,8 @@ bool isSolid(const SoftBodyData& body) {
   return body.model->network->kind == NetworkKind::Solid && body.model->parts.sheets.empty();
 }
 
-/// Returns the coefficients of the body in a medium where its default drag is `usual`.
-Flow flowOf(const SoftBodyData& body, double density, double usual) {
+/// Returns the flow of a medium past the body, whose default drag in it is `usual`.
+Flow flowOf(const SoftBodyData& body, double density, const Vector3d& velocity, double usual) {
   const FlowCoefficients& c = body.settings.flow;
   Flow flow;
   flow.density = density;
@@ -55,20 +53,18 @@ Flow flowOf(const SoftBodyData& body, double density, double usual) {
   const bool isSheet = !body.model->parts.sheets.empty();
   flow.lift = std::min(c.lift.value_or(isSheet ? flow.drag : 0.0), flow.drag);
   flow.friction = flow.drag > 0.0 ? c.friction : 0.0;
+  flow.velocity = velocity;
   return flow;
 }
 
 Flow airOf(const SoftBodyData& body) {
-  Flow flow = flowOf(body, body.surroundings->air.density, isSolid(body) ? 0.0 : kSheetDrag);
-  flow.velocity = body.surroundings->air.wind;
-  return flow;
+  const Air& air = body.surroundings->air;
+  return flowOf(body, air.density, air.wind, isSolid(body) ? 0.0 : kSheetDrag);
 }
 
 Flow waterOf(const SoftBodyData& body) {
   const Water& water = *body.surroundings->water;
-  Flow flow = flowOf(body, water.density, isSolid(body) ? kSolidDragInWater : kSheetDrag);
-  flow.velocity = water.flow;
-  return flow;
+  return flowOf(body, water.density, water.flow, isSolid(body) ? kSolidDragInWater : kSheetDrag);
 }
 
 Vector3d windAt(const Surroundings& around, const Vector3d& place, double time) {

@@ -8,9 +8,6 @@
 #include "solver/springs.h"
 
 #include <limber/bullet_precision.h>
-#include <limber/soft_body_settings.h>
-#include <limber/spring_network.h>
-#include <limber/surroundings.h>
 
 #include <btBulletDynamicsCommon.h>
 

@@ -4,16 +4,10 @@
 // on it.
 
 #include "bullet/body_in_world.h"
-#include "mesh/linear_algebra.h"
 
 #include <Eigen/LU>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
 #include <set>
-#include <string>
-#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -119,18 +113,14 @@ void placeAtRest(SoftBodyData& body, const Placement& at) {
   body.state.velocity.setZero();
 }
 
-/// Gives the body springs that have neither yielded nor broken.
-void makeWhole(SoftBodyData& body) {
-  body.springs.yielded.reset();
-  body.springs.broken = 0;
-  forgetConstants(body);
-}
-
 Result<void> resetBody(SoftBodyData& body, const Placement* at) {
   if (!isAlive(body)) return notAlive();
   readFromBullet(body);
   wakeNeighbours(body, false);
-  makeWhole(body);
+  // springs that have neither yielded nor broken
+  body.springs.yielded.reset();
+  body.springs.broken = 0;
+  forgetConstants(body);
   if (at)
     placeAtRest(body, *at);
   else
@@ -299,7 +289,6 @@ Result<void> pushPlace(SoftBodyData& body, const btVector3& push, const SurfaceH
   return {};
 }
 
-/// Returns the place of one point.
 SurfaceHit placeOf(const SoftBody& body, std::uint32_t point) {
   SurfaceHit place;
   place.body = const_cast<SoftBody*>(&body);

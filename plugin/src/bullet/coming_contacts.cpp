@@ -13,9 +13,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
 #include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
 
-#include <algorithm>
 #include <array>
-#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

@@ -9,8 +9,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {

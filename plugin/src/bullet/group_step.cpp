@@ -7,9 +7,6 @@
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -310,8 +307,6 @@ bool isFreeBody(const LinkedGroup& group) {
   return (s.inverseMass.array() > 0.0 || s.velocity.array() == 0.0).all();
 }
 
-bool isFolded(const SoftBodyData& body) { return body.volumes.farFromRest || body.tetrahedra.farFromRest; }
-
 /// Starts or ends the energy limit. `lasting`: the bound is the energy in the first of consecutive ticks with
 /// this flag, plus changes from outside. `once`: the bound is the present energy, for this tick only.
 void guard(LinkedGroup& group, bool lasting, bool once) {
@@ -358,7 +353,8 @@ void startEnergyLimit(LinkedGroup& group, double tick) {
   const bool drifts = !single.springs->damped && single.energyLimit.unsteady > 0.0;
   const bool inexact = cut || drifts || bounces(single.contacts) || isAboveBound(single.energyLimit);
   const bool lasting = inexact && areSurfacesAtRest(single.contacts);
-  const bool once = !anyNear(single) && isFolded(single);
+  const bool isFolded = single.volumes.farFromRest || single.tetrahedra.farFromRest;
+  const bool once = !anyNear(single) && isFolded;
   const bool free = (lasting || once) && isFreeBody(group);
   guard(group, free && lasting, free && once);
   for (SoftBodyData* body : group.bodies)

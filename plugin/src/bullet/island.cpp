@@ -4,8 +4,6 @@
 
 #include "bullet/linked_group.h"
 
-#include <algorithm>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {

@@ -3,19 +3,9 @@
 // This file joins soft bodies to rigid bodies, to each other and to the bones of characters.
 
 #include "bullet/body_in_world.h"
-#include "bullet/rigid_shapes.h"
 #include "bullet/system_impl.h"
-#include "mesh/linear_algebra.h"
 
 #include <limber/skeleton.h>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

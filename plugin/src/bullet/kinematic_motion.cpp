@@ -8,7 +8,6 @@
 
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace limber {
@@ -336,14 +335,6 @@ btVector3 velocityOf(const btMultiBodyLinkCollider& collider, btScalar& spin) {
   return velocity;
 }
 
-void addMovingLink(btDiscreteDynamicsWorld& world, btMultiBodyLinkCollider& link, btScalar tick,
-                   const void* system) {
-  const Eigen::AlignedBox3d box = boundsOf(link, tick);
-  const btBroadphaseProxy& found = *link.getBroadphaseHandle();
-  if (Eigen::AlignedBox3d(toEigen(found.m_aabbMin), toEigen(found.m_aabbMax)).contains(box)) return;
-  addToBodiesIn(world, link, toBullet(box.min()), toBullet(box.max()), kBoxMargin, system);
-}
-
 }  // namespace
 
 Eigen::AlignedBox3d boundsOf(const btMultiBodyLinkCollider& link, btScalar tick) {
@@ -370,8 +361,13 @@ void collectMovers(btDiscreteDynamicsWorld& world, const MovingObjects& objects,
                    const KinematicMotions& kinematic, const void* system, btScalar tick) {
   for (const KinematicMotion& motion : kinematic.all())
     if (motion.moves()) addToBodiesIn(world, *motion.object, motion.low, motion.high, kBoxMargin, system);
-  for (btMultiBodyLinkCollider* link : objects.links)
-    if (link->isActive() && link->getBroadphaseHandle()) addMovingLink(world, *link, tick, system);
+  for (btMultiBodyLinkCollider* link : objects.links) {
+    const btBroadphaseProxy* found = link->getBroadphaseHandle();
+    if (!found || !link->isActive()) continue;
+    const Eigen::AlignedBox3d box = boundsOf(*link, tick);
+    if (!Eigen::AlignedBox3d(toEigen(found->m_aabbMin), toEigen(found->m_aabbMax)).contains(box))
+      addToBodiesIn(world, *link, toBullet(box.min()), toBullet(box.max()), kBoxMargin, system);
+  }
   for (btRigidBody* body : objects.dynamic)
     if (body->getBroadphaseHandle()) addMovingBody(world, *body, tick, system);
 }

@@ -7,8 +7,6 @@
 
 #include "bullet/bullet_objects.h"
 
-#include <limber/bullet_precision.h>
-
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <btBulletDynamicsCommon.h>
 

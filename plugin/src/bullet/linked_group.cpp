@@ -7,8 +7,6 @@
 #include "bullet/body_in_world.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
 
@@ -38,11 +36,6 @@ std::uint32_t nodeOf(const SpringEnd& end, LinkedNodes& nodes) {
   return isStatic(*end.body) ? kNoNode : nodes.rigid(end.body);
 }
 
-std::uint32_t indexOfBody(LinkedGroup& group, SoftBodyData* body) {
-  const auto it = std::find(group.bodies.begin(), group.bodies.end(), body);
-  return static_cast<std::uint32_t>(it - group.bodies.begin());
-}
-
 std::uint32_t indexOfRigid(LinkedGroup& group, btRigidBody* body) {
   const auto same = [&](const RigidPartner& partner) { return partner.body == body; };
   const auto it = std::find_if(group.rigids.begin(), group.rigids.end(), same);
@@ -55,27 +48,16 @@ std::uint32_t indexOfRigid(LinkedGroup& group, btRigidBody* body) {
 }
 
 LinkEnd pointEnd(LinkedGroup& group, SoftBodyData* body, std::uint32_t point) {
-  LinkEnd end;
-  end.kind = LinkEnd::Kind::Point;
-  end.body = indexOfBody(group, body);
-  end.point = point;
-  return end;
+  const auto it = std::find(group.bodies.begin(), group.bodies.end(), body);
+  return {LinkEnd::Kind::Point, static_cast<std::uint32_t>(it - group.bodies.begin()), point};
 }
 
 LinkEnd rigidEnd(LinkedGroup& group, btRigidBody* body, const btVector3& pivot) {
-  LinkEnd end;
-  end.kind = LinkEnd::Kind::Rigid;
-  end.body = indexOfRigid(group, body);
-  end.pivot = toEigen(pivot);
-  return end;
+  return {LinkEnd::Kind::Rigid, indexOfRigid(group, body), 0, toEigen(pivot)};
 }
 
 LinkEnd linkEnd(LinkedGroup& group, const SpringEnd& end) {
-  if (!end.body) {
-    LinkEnd world;
-    world.pivot = toEigen(end.pivot);
-    return world;
-  }
+  if (!end.body) return {LinkEnd::Kind::World, 0, 0, toEigen(end.pivot)};
   if (const PointMass* point = PointMass::from(end.body))
     return pointEnd(group, point->owner(), point->index());
   return rigidEnd(group, end.body, end.pivot);
@@ -276,16 +258,14 @@ bool isPlacedWithItsPoints(const LinkedGroup& group, std::uint32_t rigid) {
   return 4.0 * atPlace < atLastPose;
 }
 
-void gatherSpring(LinkSpring& link, const SpringConstraint& spring, double tick) {
-  placeEnds(link, spring, tick);
-  // a Grab changes them
-  setStiffness(link, spring, 1.0);
-  link.damping = spring.settings().damping;
-}
-
 void gatherGroup(LinkedGroup& group, btScalar tick) {
-  for (std::size_t i = 0; i < group.springs.size(); ++i)
-    gatherSpring(group.step.links.springs[i], *group.springs[i], double(tick));
+  for (std::size_t i = 0; i < group.springs.size(); ++i) {
+    LinkSpring& link = group.step.links.springs[i];
+    placeEnds(link, *group.springs[i], double(tick));
+    // a Grab changes them
+    setStiffness(link, *group.springs[i], 1.0);
+    link.damping = group.springs[i]->settings().damping;
+  }
   for (SoftBodyData* body : group.bodies) gatherContacts(*body, tick);
   for (std::uint32_t i = 0; i < group.rigids.size(); ++i) {
     gatherRigid(group.rigids[i], group.step.links.rigids[i], tick);

@@ -6,17 +6,9 @@
 #pragma once
 
 #include "bullet/kinematic_motion.h"
-#include "bullet/parallel.h"
-#include "bullet/soft_body_data.h"
 #include "bullet/surface_gather.h"
-#include "bullet/tick_contacts.h"
-#include "collide/relative_motion.h"
-#include "mesh/surface.h"
-#include "solver/simd_steps.h"
-#include "solver/verlet_step.h"
 
 #include <limber/soft_body_system.h>
-#include <limber/spring_constraint.h>
 
 #include <chrono>
 #include <memory>
@@ -98,7 +90,6 @@ struct SleepBox {
   LinkedGroup* group;               ///< of the soft body
 };
 
-/// Scratch of updateSleep().
 struct SleepScratch {
   std::vector<unsigned char> islands;  ///< Bullet's islands of the last tick, by tag: 1 with awake bodies
   std::vector<SleepBox> awake, quiet;  ///< `quiet`: of groups that sleep or want to, sorted by the lowest x
@@ -149,7 +140,6 @@ void chooseStepping(LinkedGroup& group, double tick);
 /// not rise as long as that is so. `joined`: the island has joints, whose limit needs the work of drag.
 void limitIslandEnergy(LinkedGroup& group, bool alone, bool bouncing, bool joined);
 
-/// Returns whether the surfaces of all these contacts are at rest.
 bool areSurfacesAtRest(const std::vector<PlaneContact>& rows);
 
 /// Whether a body of the group has an error tolerance. A tick may then be stepped again.
@@ -190,7 +180,6 @@ class LoneGroups {
   void step(const AwakeGroups& groups, double tick, const Parallel& parallel, TickProfile& profile);
 
  private:
-  /// Memory for a block.
   struct Block {
     AwakeGroups groups;
     std::size_t forLanes = 0;       ///< number of the first groups, which can share lanes

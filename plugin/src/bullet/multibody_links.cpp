@@ -5,14 +5,11 @@
 
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
-#include "mesh/linear_algebra.h"
 
 #include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 
 #include <Eigen/LU>
-
-#include <algorithm>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

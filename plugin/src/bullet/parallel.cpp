@@ -6,10 +6,7 @@
 
 #include <LinearMath/btThreads.h>
 
-#include <atomic>
-#include <chrono>
 #include <condition_variable>
-#include <thread>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

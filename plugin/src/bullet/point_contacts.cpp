@@ -7,11 +7,7 @@
 #include "bullet/point_contacts.h"
 #include "bullet/contact_report.h"
 #include "bullet/kinematic_motion.h"
-#include "bullet/rigid_shapes.h"
 #include "bullet/tick_contacts.h"
-
-#include <algorithm>
-#include <optional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -140,12 +136,6 @@ void queryPartners(SoftBodyData& body, const Eigen::AlignedBox3d& box, double ti
             [](const btRigidBody* a, const btRigidBody* b) {
               return hasSmallerId(&objectInWorld(*a), &objectInWorld(*b));
             });
-}
-
-/// Excludes contacts of the points from Bullet's solver in this tick, including those not found yet; see
-/// disableBulletResponse(). Points in the world get their threshold back when the tick ends.
-void disablePointResponse(SoftBodyData& body) {
-  for (PointMass* point : body.masses.bodies) point->setContactProcessingThreshold(-BT_LARGE_FLOAT);
 }
 
 void describePartner(SoftBodyData& body, HeldPartner& held) {
@@ -379,7 +369,6 @@ Eigen::AlignedBox3d boundsOf(const btRigidBody& rigid, double tick) {
 
 namespace {
 
-/// Returns the nearest point on the only solid of a partner.
 HeldPoint nearestOnSolid(const SoftBodyData& body, const HeldPartner& held, std::uint32_t i) {
   const HeldPiece* piece = body.held.pieces.data() + held.solid;
   return nearestOn(piece, piece + 1, body.state.position.col(i));
@@ -516,7 +505,10 @@ void gatherContacts(SoftBodyData& body, btScalar tick) {
   if (surface && nothingIsNear(body, double(tick))) return;
   const Eigen::AlignedBox3d box = searchBox(body, double(tick));
   if (!surface || !partnersCover(body, box)) queryPartners(body, box, double(tick));
-  if (!surface) disablePointResponse(body);
+  // excludes contacts of the points from Bullet's solver in this tick, including those not found yet, see
+  // disableBulletResponse(); points in the world get their threshold back when the tick ends
+  for (std::size_t i = 0; !surface && i < body.masses.bodies.size(); ++i)
+    body.masses.bodies[i]->setContactProcessingThreshold(kIgnoredByBullet);
   if (surface && body.heldPartners.empty()) return;
   for (HeldPartner& partner : body.heldPartners) describePartner(body, partner);
   findWaysOut(body);

@@ -5,7 +5,6 @@
 
 #pragma once
 
-#include "bullet/bullet_objects.h"
 #include "bullet/soft_body_data.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>

@@ -7,8 +7,6 @@
 #include "bullet/bullet_objects.h"
 #include "solver/point_state.h"
 
-#include <limber/bullet_precision.h>
-
 #include <btBulletDynamicsCommon.h>
 
 #include <cstdint>

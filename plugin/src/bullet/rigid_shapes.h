@@ -6,8 +6,8 @@
 #pragma once
 
 #include "collide/surface.h"
-#include "solver/held_surface.h"
 #include "solver/links.h"
+#include "solver/plane_contacts.h"
 
 #include <limber/bullet_precision.h>
 
@@ -127,7 +127,6 @@ class RigidSurfaces {
  public:
   explicit RigidSurfaces(ShapeCache& shapes) : shapes_(&shapes) {}
 
-  /// Returns whether the shape has any parts.
   bool hasParts(const btCollisionShape& shape);
 
   /// Returns the part of a convex object, or those parts of a compound that can touch the box in this tick,

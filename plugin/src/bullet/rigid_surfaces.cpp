@@ -4,12 +4,11 @@
 // bodies to their positions in a tick.
 
 #include "bullet/kinematic_motion.h"
-#include "bullet/rigid_shapes.h"
+#include "bullet/point_contacts.h"
 #include "bullet/tick_contacts.h"
 
 #include <LinearMath/btConvexHullComputer.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -407,12 +406,11 @@ Vector3d motionOf(const btCollisionObject& object, const Vector3d& position, dou
 /// of the object that enter `box` within the tick. The motion is linear in the position, so no point moves
 /// farther than the farthest corner of the object's bounds.
 SweptBox enlargedByMotion(const btCollisionObject& object, SweptBox box, double tick) {
-  btVector3 bounds[2];
-  object.getCollisionShape()->getAabb(object.getWorldTransform(), bounds[0], bounds[1]);
+  const Eigen::AlignedBox3d bounds = boxOf(object);
   Vector3d largest = Vector3d::Zero();
   for (int corner = 0; corner < 8; ++corner) {
-    const btVector3 position(bounds[corner & 1].x(), bounds[corner >> 1 & 1].y(), bounds[corner >> 2].z());
-    largest = largest.cwiseMax(motionOf(object, toEigen(position), tick).cwiseAbs());
+    const Vector3d position = bounds.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+    largest = largest.cwiseMax(motionOf(object, position, tick).cwiseAbs());
   }
   box.low.head<3>() -= largest.array();
   box.high.head<3>() += largest.array();
@@ -434,11 +432,6 @@ void placePart(RigidPart& part, const ShapeSurface& surface, const btTransform& 
   }
   part.moving = {&surface.topology, &part.position, &part.motion, surface.radius, &part.boxes};
   fitBoxes(part.moving, part.boxes);
-}
-
-/// Returns the number of a child of the part `parent`.
-std::uint64_t childNumber(std::uint64_t parent, int child) {
-  return parent * 0x100000001b3u + static_cast<std::uint64_t>(child) + 1;
 }
 
 void storeStart(RigidPart& part) {
@@ -505,8 +498,9 @@ void RigidSurfaces::addNear(const btCollisionObject& object, const btCollisionSh
   std::sort(children_.begin() + static_cast<std::ptrdiff_t>(first), children_.end());
   for (std::size_t i = first, end = children_.size(); i < end; ++i) {
     const int child = children_[i];
-    addNear(object, *compound.getChildShape(child), pose * compound.getChildTransform(child),
-            childNumber(number, child), box, tick);
+    const std::uint64_t childNumber = number * 0x100000001b3u + static_cast<std::uint64_t>(child) + 1;
+    addNear(object, *compound.getChildShape(child), pose * compound.getChildTransform(child), childNumber,
+            box, tick);
   }
   children_.resize(first);
 }

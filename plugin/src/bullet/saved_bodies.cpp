@@ -9,14 +9,8 @@
 
 #include <LinearMath/btSerializer.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <map>
-#include <string>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 namespace limber {
 

@@ -9,13 +9,7 @@
 #include "bullet/tick_contacts.h"
 #include "mesh/bytes.h"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <string>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 namespace limber {
 

@@ -6,10 +6,6 @@
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -50,11 +46,7 @@ bool movesTooFast(LinkedGroup& group, btScalar lastTick) {
                    [](btRigidBody& body) { return body.getActivationState() == DISABLE_DEACTIVATION; });
 }
 
-bool isChanged(const LinkedGroup& group) {
-  return std::any_of(group.bodies.begin(), group.bodies.end(), [](const SoftBodyData* body) {
-    return isSurfaceBody(*body) && isSurfaceChanged(*body);
-  });
-}
+bool isChanged(const SoftBodyData* body) { return isSurfaceBody(*body) && isSurfaceChanged(*body); }
 
 void wakeGroup(LinkedGroup& group) {
   for (SoftBodyData* body : group.bodies) wakeBody(*body, true);
@@ -89,17 +81,13 @@ void sleepGroup(LinkedGroup& group) {
 
 bool isActive(const btRigidBody& body) { return body.isActive(); }
 
-bool sleepIsOff() { return gDisableDeactivation || gDeactivationTime == btScalar(0); }
-
-/// Returns the calm time (s) that a tick adds. One very long tick does not put a body to sleep: it may have
-/// been released at its start.
-double calmTimeOf(btScalar tick) { return std::min(double(tick), 0.5 * double(gDeactivationTime)); }
-
 /// Returns the calm time (s) after a tick. A fast tick subtracts the length of several ticks. So a pile may
-/// sleep although a point slips now and then, and what begins to move does not fall asleep.
+/// sleep although a point slips now and then, and what begins to move does not fall asleep. One very long
+/// tick does not put a body to sleep: it may have been released at its start.
 double calmTimeAfter(btScalar tick, bool isFast, double calmTime) {
   constexpr double kSubtracted = 6.0;
-  return isFast ? std::max(0.0, calmTime - kSubtracted * double(tick)) : calmTime + calmTimeOf(tick);
+  return isFast ? std::max(0.0, calmTime - kSubtracted * double(tick))
+                : calmTime + std::min(double(tick), 0.5 * double(gDeactivationTime));
 }
 
 /// s, the calm time after which a group is quiet. It sleeps once nothing awake has touched or held it for the
@@ -138,23 +126,21 @@ void updateCalmTime(LinkedGroup& group, btScalar tick, btScalar lastTick) {
   for (const SoftBodyData* body : group.bodies) group.calmTime = std::min(group.calmTime, body->calmTime);
   if (isPutToSleep(group)) sleepGroup(group);
   if (group.asleep) ignoreIslands(group);
-  if (group.asleep && !anyMember(group, isActive) && !isChanged(group)) {
+  if (group.asleep && !anyMember(group, isActive) &&
+      std::none_of(group.bodies.begin(), group.bodies.end(), isChanged)) {
     for (SoftBodyData* body : group.bodies) dropObjectForces(*body);
     return;
   }
   if (group.asleep)
     for (SoftBodyData* body : group.bodies)
-      if (isSurfaceBody(*body) && isSurfaceChanged(*body)) wakeNeighbours(*body, true);
+      if (isChanged(body)) wakeNeighbours(*body, true);
   if (group.asleep || anyMember(group, isAsleep)) wakeGroup(group);
-  group.calmTime = sleepIsOff() ? 0.0 : calmTimeAfter(tick, movesTooFast(group, lastTick), group.calmTime);
+  const bool sleepIsOff = gDisableDeactivation || gDeactivationTime == btScalar(0);
+  group.calmTime = sleepIsOff ? 0.0 : calmTimeAfter(tick, movesTooFast(group, lastTick), group.calmTime);
   forEachMember(group, [](btRigidBody& body) { body.setDeactivationTime(0); });
   for (SoftBodyData* body : group.bodies)
     if (body->surface.object)
       body->surface.object->setDeactivationTime(static_cast<btScalar>(group.calmTime));
-}
-
-void rememberCalmTime(const LinkedGroup& group) {
-  for (SoftBodyData* body : group.bodies) body->calmTime = group.calmTime;
 }
 
 bool wantsSleep(const LinkedGroup& group) { return !group.asleep && group.calmTime > quietTime(); }
@@ -182,16 +168,13 @@ bool isIslandMarked(LinkedGroup& group, const SleepScratch& s) {
 // For surfaces boxes around the motion of the coming tick decide. Those in Bullet's broadphase, and with them
 // its islands, have room for several ticks: they depend on a past that a restored world does not have.
 
-/// Returns a box (m) around the motion of the body in a tick.
-Eigen::AlignedBox3d boxOf(SoftBodyData& body, double tick) {
-  return sweptBoundsOf(body, tick, tick * tick * double(body.world->getGravity().length())).box;
-}
-
 bool isQuiet(const LinkedGroup& group) { return group.asleep || wantsSleep(group); }
 
 void addBoxes(LinkedGroup& group, double tick, std::vector<SleepBox>& boxes) {
-  for (SoftBodyData* body : group.bodies)
-    boxes.push_back({boxOf(*body, tick), body->surface.object, body, &group});
+  for (SoftBodyData* body : group.bodies) {
+    const double fall = tick * tick * double(body->world->getGravity().length());
+    boxes.push_back({sweptBoundsOf(*body, tick, fall).box, body->surface.object, body, &group});
+  }
 }
 
 void addAwake(const btRigidBody& body, double tick, SleepScratch& s) {
@@ -206,17 +189,12 @@ void addAwake(LinkedGroup& group, double tick, SleepScratch& s) {
   forEachMember(group, [&](const btRigidBody& member) { markIsland(member, s); });
 }
 
-void listPartners(const std::vector<LinkedGroup>& groups, std::vector<const btRigidBody*>& partners) {
-  partners.clear();
-  for (const LinkedGroup& group : groups)
-    for (const RigidPartner& partner : group.rigids) partners.push_back(partner.body);
-  std::sort(partners.begin(), partners.end(), std::less<>());
-}
-
-/// Adds the awake objects that are in no group.
 void addOthersAwake(const std::vector<LinkedGroup>& groups, const MovingObjects& objects,
                     const KinematicMotions& kinematic, double tick, SleepScratch& s) {
-  listPartners(groups, s.partners);
+  s.partners.clear();
+  for (const LinkedGroup& group : groups)
+    for (const RigidPartner& partner : group.rigids) s.partners.push_back(partner.body);
+  std::sort(s.partners.begin(), s.partners.end(), std::less<>());
   s.calm.clear();
   for (btRigidBody* body : objects.dynamic) {
     if (std::binary_search(s.partners.begin(), s.partners.end(), body, std::less<>())) continue;
@@ -386,7 +364,7 @@ void updateSleep(std::vector<LinkedGroup>& groups, btDiscreteDynamicsWorld& worl
   if (anyQuiet) sleepTogether(groups, scratch);
   awake.clear();
   for (LinkedGroup& group : groups) {
-    rememberCalmTime(group);
+    for (SoftBodyData* body : group.bodies) body->calmTime = group.calmTime;
     if (!group.asleep) awake.push_back(&group);
   }
 }

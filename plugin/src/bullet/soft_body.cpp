@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

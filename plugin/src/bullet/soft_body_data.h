@@ -6,25 +6,15 @@
 #pragma once
 
 #include "bullet/body_medium.h"
-#include "bullet/bullet_objects.h"
 #include "bullet/point_masses.h"
 #include "bullet/rigid_shapes.h"
 #include "bullet/surface_body.h"
 #include "collide/surface_contacts.h"
-#include "solver/contacts.h"
-#include "solver/held_surface.h"
 #include "solver/implicit_step.h"
-#include "solver/plane_contacts.h"
-#include "solver/point_state.h"
 #include "solver/simd_steps.h"
-#include "solver/springs.h"
 #include "solver/stepping_choice.h"
-#include "solver/verlet_step.h"
-#include "solver/volumes.h"
 
 #include <limber/contact_filter.h>
-#include <limber/contacts.h>
-#include <limber/soft_body.h>
 
 #include <Eigen/Geometry>
 

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -399,11 +398,6 @@ void drawPins(const SoftBodyData& body, btIDebugDraw& drawer) {
   }
 }
 
-void drawBox(const SoftBodyData& body, btIDebugDraw& drawer) {
-  const Eigen::AlignedBox3d box = boxAround(body.state.position, radiusOf(body));
-  drawer.drawAabb(toBullet(box.min()), toBullet(box.max()), drawer.getDefaultColors().m_aabb);
-}
-
 void drawContacts(SoftBodyData& body, btIDebugDraw& drawer) {
   for (const SoftContact& contact : readReport(body))
     drawer.drawContactPoint(contact.position, contact.normal, static_cast<btScalar>(contact.distance), 0,
@@ -426,7 +420,10 @@ void debugDraw(SoftBodyData& body, btIDebugDraw& drawer) {
     drawSprings(body, drawer);
     drawPins(body, drawer);
   }
-  if (hasMode(drawer, btIDebugDraw::DBG_DrawAabb)) drawBox(body, drawer);
+  if (hasMode(drawer, btIDebugDraw::DBG_DrawAabb)) {
+    const Eigen::AlignedBox3d box = boxAround(body.state.position, radiusOf(body));
+    drawer.drawAabb(toBullet(box.min()), toBullet(box.max()), drawer.getDefaultColors().m_aabb);
+  }
   if (hasMode(drawer, btIDebugDraw::DBG_DrawContactPoints)) drawContacts(body, drawer);
   if (hasMode(drawer, btIDebugDraw::DBG_DrawConstraints)) drawAnchors(body, drawer);
 }

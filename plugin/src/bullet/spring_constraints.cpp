@@ -4,13 +4,8 @@
 // springs that they move.
 
 #include "bullet/system_impl.h"
-#include "mesh/surface.h"
 
 #include <limber/grab.h>
-
-#include <array>
-#include <cmath>
-#include <utility>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {

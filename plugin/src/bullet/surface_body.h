@@ -183,12 +183,12 @@ void wakeSurface(SoftBodyData& body);
 
 /// The rigid body with the mass, inertia, momentum and angular momentum of the points that are not held.
 struct RigidFit {
-  double mass = 0.0;                                   ///< kg
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();    ///< m
+  double mass = 0.0;                                         ///< kg
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();          ///< m
   Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), about world axes
   Eigen::Matrix3d factor = Eigen::Matrix3d::Zero();          ///< F with inverseInertia = F F^T
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();      ///< rad/s
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        ///< m/s
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();            ///< rad/s
 };
 
 /// Fits a rigid body to the present positions and velocities.

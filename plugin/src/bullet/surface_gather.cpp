@@ -9,11 +9,6 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/point_contacts.h"
-#include "bullet/rigid_shapes.h"
-#include "bullet/tick_contacts.h"
-
-#include <algorithm>
-#include <mutex>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -158,7 +153,6 @@ double featureSize(const MovingSurface& surface) {
   return size > 0.0 ? size : surface.radius;
 }
 
-/// Returns the surface on side b.
 const MovingSurface& surfaceB(const SurfaceCandidate& m) {
   if (m.other) return m.other->surface.moving;
   return m.part->moving;
@@ -334,7 +328,6 @@ double predictedDisplacement(const SurfaceCandidate& m) {
   return std::min(still, relativeMotion(motionA, motionB, frame).speed(features));
 }
 
-/// Adds a candidate and its contacts to `found`.
 void addCandidate(SurfaceCandidate m, const std::vector<SurfaceContact>& contacts, double tick,
                   SurfaceSearch& s, TickContacts& found) {
   m.first = static_cast<std::uint32_t>(found.contacts.size());
@@ -467,13 +460,6 @@ bool mayTouch(const SurfaceCandidate& m, double tick, SurfaceSearch& s) {
   if (isSelf(m))
     return mayTouchItself(a, margin(m), m.displacement, extraMargin - m.displacement, s.search, s.contacts);
   return areLeavesNear(a, surfaceB(m), margin(m) + extraMargin, s.search.waiting);
-}
-
-Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint) {
-  Vector3d x = Vector3d::Zero();
-  for (int i = 0; i < 3; ++i)
-    x += surfacePoint.weights[i] * surface.position->col(surfacePoint.points[static_cast<std::size_t>(i)]);
-  return x;
 }
 
 void moveInStep(SoftBodyData& body, const PointView& points, const TimeInStep& time) {

@@ -6,10 +6,8 @@
 #pragma once
 
 #include "bullet/parallel.h"
-#include "bullet/rigid_shapes.h"
 #include "bullet/soft_body_data.h"
 #include "bullet/tick_contacts.h"
-#include "collide/surface_contacts.h"
 
 #include <vector>
 
@@ -132,9 +130,6 @@ void movePartInStep(const SurfaceCandidate& candidate, const RigidState* rigid, 
 /// time.
 void findContactsInStep(const SurfaceCandidate& candidate, const RigidState* rigid, const TimeInStep& time,
                         SurfaceSearch& search, ContactsInStep& found);
-
-/// Returns the position (m) of a point on a surface.
-Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& surfacePoint);
 
 // --- contacts with static and kinematic objects ------------------------------------------------------------
 

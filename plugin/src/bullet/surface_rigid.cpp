@@ -5,12 +5,9 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/point_contacts.h"
-#include "mesh/linear_algebra.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-
-#include <cmath>
 
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
@@ -27,12 +24,6 @@ constexpr double kMinInertia = 1e-5;
 
 /// Number of iterations for the rotation of a body: one that rotates little in a tick, and any.
 constexpr int kRotationSteps = 4, kManyRotationSteps = 200;
-
-template <class Visit>
-void forEachFree(const PointState& s, Visit visit) {
-  for (Eigen::Index i = 0; i < s.position.cols(); ++i)
-    if (const double mass = massOf(s.inverseMass, i); mass > 0.0) visit(i, mass);
-}
 
 /// Minimum determinant of the inertia tensor of a round body, as a fraction of the cube of the trace. Its
 /// principal inertias are then larger than 4 times this fraction of the trace.
@@ -153,16 +144,6 @@ void moveObject(SoftBodyData& body, const btTransform& pose) {
   body.surface.shape->setPose(pose);
 }
 
-Vector3d centerOfFree(const PointState& s, const Points& positions) {
-  Vector3d moment = Vector3d::Zero();
-  double mass = 0.0;
-  forEachFree(s, [&](Eigen::Index i, double m) {
-    moment += m * positions.col(i);
-    mass += m;
-  });
-  return mass > 0.0 ? Vector3d(moment / mass) : moment;
-}
-
 /// Changes a point's position and velocity, along the axes along which it moves.
 void shift(PointState& s, Eigen::Index i, const Vector3d& displacement, const Vector3d& change) {
   const auto moves = s.inverseMass.col(i).array() > 0.0;
@@ -170,11 +151,10 @@ void shift(PointState& s, Eigen::Index i, const Vector3d& displacement, const Ve
   s.velocity.col(i) += moves.select(change, 0.0).matrix();
 }
 
-/// Changes velocity and spin of the body.
 void pushBy(SoftBodyData& body, const Vector3d& velocity, const Vector3d& spin) {
   PointState& s = body.state;
-  const Vector3d center = centerOfFree(s, s.position);
-  forEachFree(s, [&](Eigen::Index i, double) {
+  const Vector3d center = centerOfMass(s);
+  forEachMass(s, [&](double, Eigen::Index i) {
     shift(s, i, Vector3d::Zero(), velocity + spin.cross(Vector3d(s.position.col(i) - center)));
   });
 }
@@ -188,7 +168,7 @@ void pushFromStart(SoftBodyData& body, const Vector3d& velocity, const Vector3d&
   PointState& s = body.state;
   const RigidFit fit = fitRigid(body);
   const Eigen::Quaterniond turn = rotationBy(tick * (before + spin)) * rotationBy(-tick * before);
-  forEachFree(s, [&](Eigen::Index i, double) {
+  forEachMass(s, [&](double, Eigen::Index i) {
     const Vector3d arm = s.position.col(i) - fit.center, turned = turn * arm;
     const Vector3d own = s.velocity.col(i) - fit.velocity - fit.spin.cross(arm);
     const Vector3d moved = fit.velocity + velocity + (fit.spin + spin).cross(turned) + turn * own;
@@ -316,7 +296,7 @@ void accelerateByObject(SoftBodyData& body) {
   if (!(fit.mass > 0.0)) return;
   const Vector3d linear = s.objectForce / fit.mass;
   const Vector3d angular = fit.inverseInertia * s.objectTorque;
-  forEachFree(body.state, [&](Eigen::Index i, double) {
+  forEachMass(body.state, [&](double, Eigen::Index i) {
     body.state.acceleration.col(i) +=
         linear + angular.cross(Vector3d(body.state.position.col(i) - fit.center));
   });

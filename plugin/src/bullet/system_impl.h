@@ -6,11 +6,8 @@
 
 #include "bullet/body_in_world.h"
 #include "bullet/contact_report.h"
-#include "bullet/kinematic_motion.h"
 #include "bullet/linked_group.h"
 #include "bullet/tick_hook.h"
-
-#include <limber/soft_body_system.h>
 
 #include <algorithm>
 #include <functional>

@@ -6,10 +6,6 @@
 #include "bullet/body_in_world.h"
 #include "solver/split.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {

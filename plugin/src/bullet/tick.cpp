@@ -8,27 +8,15 @@
 
 #include <limber/grab.h>
 
-#include <algorithm>
-#include <cmath>
-#include <mutex>
-#include <string>
-#include <utility>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
 
-/// The shared steps of all worlds that have systems. The list is never deleted, because a system of static
-/// lifetime may be destroyed after other static objects.
+/// The shared steps of all worlds that have systems.
 struct StepList {
   std::mutex mutex;  // worlds may be stepped by several threads
   std::vector<std::pair<const btDynamicsWorld*, std::weak_ptr<void>>> steps;
 };
-
-StepList& stepList() {
-  static StepList& list = *new StepList;
-  return list;
-}
 
 void gatherMovingPairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids, SurfaceSearch& search,
                        TickContacts& found) {
@@ -38,12 +26,9 @@ void gatherMovingPairs(SoftBodyData& body, btScalar tick, RigidSurfaces& rigids,
 
 /// Whether there is work for several threads: so many springs, or a body that is divided among them.
 bool isMuch(const std::vector<SoftBodyData*>& bodies, std::size_t fromSprings) {
-  std::size_t springs = 0;
-  for (const SoftBodyData* body : bodies) {
-    if (body->springs->division.isDivided()) return true;
-    springs += body->springs.size();
-  }
-  return springs >= fromSprings;
+  return springCount(bodies) >= fromSprings ||
+         std::any_of(bodies.begin(), bodies.end(),
+                     [](const SoftBodyData* body) { return body->springs->division.isDivided(); });
 }
 
 }  // namespace
@@ -52,7 +37,8 @@ bool isMuch(const std::vector<SoftBodyData*>& bodies, std::size_t fromSprings) {
 
 std::shared_ptr<SoftBodySystem::Impl::WorldStep> SoftBodySystem::Impl::WorldStep::of(
     btDiscreteDynamicsWorld& world) {
-  StepList& list = stepList();
+  // never deleted: a system of static lifetime may be destroyed after other static objects
+  static StepList& list = *new StepList;
   const std::lock_guard<std::mutex> lock(list.mutex);
   auto& steps = list.steps;
   const auto isGone = [](const auto& entry) { return entry.second.expired(); };

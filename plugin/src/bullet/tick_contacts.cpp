@@ -9,10 +9,6 @@
 #include "bullet/kinematic_motion.h"
 #include "bullet/point_contacts.h"
 
-#include <algorithm>
-#include <functional>
-#include <utility>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 

@@ -8,9 +8,6 @@
 
 #include "bullet/bullet_objects.h"
 #include "solver/contacts.h"
-#include "solver/links.h"
-
-#include <limber/bullet_precision.h>
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>

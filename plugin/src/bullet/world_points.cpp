@@ -10,10 +10,6 @@
 
 #include <BulletCollision/CollisionDispatch/btSphereBoxCollisionAlgorithm.h>
 
-#include <algorithm>
-#include <limits>
-#include <utility>
-
 namespace limber {
 inline namespace LIMBER_BULLET_PRECISION {
 namespace {
@@ -22,12 +18,6 @@ namespace {
 /// this many units in the last place are not an impulse.
 constexpr double kMaxRoundings = 4.0;
 constexpr double kEpsilon = std::numeric_limits<btScalar>::epsilon();
-
-/// Returns the velocity that Bullet's solver leaves without contacts, in its own arithmetic:
-/// btSequentialImpulseConstraintSolver adds (force * inverse mass) * time step.
-btVector3 untouchedVelocity(const PointMass& point, const btVector3& written, btScalar tick) {
-  return written + point.getTotalForce() * point.getInvMass() * tick;
-}
 
 /// Returns zero if `v` is not larger than the rounding error of quantities of the size `scale`.
 Eigen::Vector3d withoutRounding(const Eigen::Vector3d& v, double scale) {
@@ -109,7 +99,8 @@ void writeVelocitiesToBullet(SoftBodyData& body, btScalar tick) {
     const Eigen::Vector3d mean = (body.state.position.col(i) - m.startPosition.col(i)) / double(tick);
     const btVector3 written = toBullet(mean - double(tick) * ownAcceleration(point));
     point.setLinearVelocity(written);
-    m.expectedVelocity[i] = untouchedVelocity(point, written, tick);
+    // in the arithmetic of btSequentialImpulseConstraintSolver
+    m.expectedVelocity[i] = written + point.getTotalForce() * point.getInvMass() * tick;
   }
 }
 

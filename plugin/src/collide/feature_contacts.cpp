@@ -3,10 +3,6 @@
 // with each other.
 #include "collide/feature_contacts.h"
 
-#include "mesh/surface.h"
-
-#include <algorithm>
-#include <limits>
 #include <tuple>
 
 namespace limber {
@@ -92,7 +88,7 @@ void addCandidate(const SurfacePair& pair, bool flipped, ContactRank rank, Surfa
                   double featureSize, std::uint64_t vertex, ContactSearch& search) {
   if (flipped) std::swap(c.a, c.b), c.normal = -c.normal;
   if (pair.self && (shareVertex(c.a, c.b) || areCloseAtRest(pair, c.a, c.b))) return;
-  c.gap = c.normal.dot(positionOf(pair.a, c.a, 0.0) - positionOf(pair.b, c.b, 0.0)) - pair.radiusSum();
+  c.gap = c.normal.dot(positionOf(pair.a, c.a) - positionOf(pair.b, c.b)) - pair.radiusSum();
   c.key = keyOf(rank, c.a.feature, c.b.feature);
   const Vector3d point = 0.5 * (positionOf(pair.a, c.a, c.time) + positionOf(pair.b, c.b, c.time));
   search.candidates.push_back({c, point, featureSize, vertex, rank, sameDirection(pair, featureSize)});

@@ -5,7 +5,6 @@
 // surface_contacts.cpp reduces to contacts.
 
 #include "collide/surface_contacts.h"
-#include "mesh/surface.h"
 
 namespace limber {
 
@@ -34,9 +33,6 @@ enum ContactRank : std::uint8_t {
 inline std::uint64_t keyOf(ContactRank rank, std::uint32_t onA, std::uint32_t onB) {
   return std::uint64_t{rank} << 60 | std::uint64_t{onA} << 30 | onB;
 }
-
-/// Returns the position (m) of a point of a surface at a time of the tick.
-Eigen::Vector3d positionOf(const MovingSurface& surface, const SurfacePoint& point, double time);
 
 // --- nearest points of two features ------------------------------------------------------------------------
 
@@ -107,7 +103,6 @@ bool projectOnTriangle(const MovingFeature<3>::Corners& triangle, const Eigen::V
 // Each function tests one pair of features. It adds a candidate if the surfaces are locally nearest to each
 // other at the nearest points of the features, now or at the time of impact.
 
-/// Tests a vertex of a with a vertex of b.
 void collideVertices(const SurfacePair& pair, const NearVertex& a, const NearVertex& b,
                      ContactSearch& search);
 

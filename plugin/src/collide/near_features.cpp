@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "collide/near_features.h"
+#include "collide/surface_contacts.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>

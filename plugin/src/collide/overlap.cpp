@@ -5,9 +5,7 @@
 // would entangle the surfaces.
 
 #include "collide/feature_contacts.h"
-#include "collide/surface_contacts.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace limber {

@@ -4,11 +4,8 @@
 #include "collide/surface_contacts.h"
 
 #include "collide/feature_contacts.h"
-#include "mesh/surface.h"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 #include <tuple>
 
 namespace limber {
@@ -551,7 +548,7 @@ bool moveTo(double time, const MovingSurface& a, const MovingSurface& b, double 
   normal *= (normal.dot(c.normal) < 0.0 ? -1.0 : 1.0) / length;
   if (normal.dot(c.normal) < least) return false;
   c.normal = normal;
-  c.gap = normal.dot(positionOf(a, c.a, 0.0) - positionOf(b, c.b, 0.0)) - (a.radius + b.radius);
+  c.gap = normal.dot(positionOf(a, c.a) - positionOf(b, c.b)) - (a.radius + b.radius);
   c.time = 0.0;
   return true;
 }

@@ -7,14 +7,10 @@
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -24,9 +20,7 @@
 #include <new>
 #include <numeric>
 #include <sstream>
-#include <string>
 #include <system_error>
-#include <vector>
 
 namespace limber {
 

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
-#include <utility>
 
 namespace limber {
 namespace {

@@ -7,17 +7,13 @@
 #include "mesh/linear_algebra.h"
 #include "mesh/surface.h"
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <iterator>
 #include <queue>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

@@ -4,12 +4,10 @@
 
 #include "mesh/surface.h"
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <queue>
 #include <tuple>
-#include <utility>
 
 namespace limber {
 

@@ -185,7 +185,6 @@ using Links = std::vector<std::vector<Link>>;  ///< #points
 
 void connect(Links& links, const std::vector<Eigen::Vector3d>& points, std::uint32_t a, std::uint32_t b);
 
-/// Returns the edges from each point.
 Links edgeLinks(const std::vector<Eigen::Vector3d>& points, const std::vector<Edge>& edges);
 
 /// Returns the length (m) of the shortest path from `from` to each point (E. Dijkstra, 1959), `maxLength` if
@@ -254,7 +253,6 @@ inline Eigen::Vector3d centroid(const std::vector<Eigen::Vector3d>& points, cons
   return (points[t[0]] + points[t[1]] + points[t[2]]) / 3.0;
 }
 
-/// Returns the bounding box of points.
 Eigen::AlignedBox3d boxOf(const std::vector<Eigen::Vector3d>& points);
 
 /// Returns the longest side (m) of the points' bounding box; 0 without points.
@@ -288,7 +286,6 @@ std::vector<bool> facingInward(const std::vector<Eigen::Vector3d>& points,
 std::vector<bool> patchesFacingInward(const std::vector<Eigen::Vector3d>& points,
                                       const std::vector<Triangle>& triangles);
 
-/// Flips the marked triangles.
 void flip(std::vector<Triangle>& triangles, const std::vector<bool>& marked);
 
 /// Returns the surface with its closed components facing outward.

@@ -4,10 +4,6 @@
 
 #include "mesh/triangle_bvh.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-
 namespace limber {
 namespace {
 

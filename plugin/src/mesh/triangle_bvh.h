@@ -4,8 +4,6 @@
 
 #include "mesh/surface.h"
 
-#include <limber/mesh.h>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

@@ -6,19 +6,13 @@
 
 #include "mesh/surface.h"
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <set>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

@@ -6,17 +6,8 @@
 
 #include "mesh/triangle_bvh.h"
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <string>
 #include <unordered_map>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

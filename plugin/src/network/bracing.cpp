@@ -5,15 +5,9 @@
 #include "network/bracing.h"
 
 #include "mesh/random.h"
-#include "mesh/surface.h"
-#include "network/modes.h"
-#include "network/relaxation.h"
+#include "network/stability.h"
 
-#include <algorithm>
-#include <array>
 #include <atomic>
-#include <cmath>
-#include <functional>
 #include <thread>
 
 namespace limber {

@@ -3,11 +3,9 @@
 // piece of a body that is being braced.
 #pragma once
 
-#include "mesh/surface.h"
 #include "mesh/triangle_bvh.h"
 
 #include <limber/network_builder.h>
-#include <limber/spring_network.h>
 
 #include <Eigen/Core>
 

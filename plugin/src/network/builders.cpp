@@ -11,11 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstddef>
 #include <numeric>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {
@@ -55,12 +51,6 @@ std::string check(const RopeSettings& s) {
                   checkZeroOrMore("thickness", s.thickness)});
 }
 
-std::vector<Eigen::Vector3d> ropePoints(double length, std::uint32_t segments) {
-  std::vector<Eigen::Vector3d> points;
-  for (std::uint32_t i = 0; i <= segments; ++i) points.emplace_back(length * i / segments, 0.0, 0.0);
-  return points;
-}
-
 /// Joins each point, in order, to the points after it, so that the springs are sorted.
 ///
 ///     o---o---o---o   structural
@@ -81,7 +71,8 @@ Result<SharedNetwork> buildRope(const RopeSettings& settings) {
   if (std::string reason = check(settings); !reason.empty()) return Error{std::move(reason)};
   auto network = std::make_shared<SpringNetwork>();
   network->kind = NetworkKind::Rope;
-  network->restPoints = ropePoints(settings.length, settings.segments);
+  for (std::uint32_t i = 0; i <= settings.segments; ++i)
+    network->restPoints.emplace_back(settings.length * i / settings.segments, 0.0, 0.0);
   network->massFractions.assign(settings.segments + 1, 1.0 / settings.segments);
   network->massFractions.front() = network->massFractions.back() = 0.5 / settings.segments;
   network->springs = ropeSprings(settings.segments, settings.bendingScale);

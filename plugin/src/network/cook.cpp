@@ -11,12 +11,7 @@
 #include "network/tetrahedra.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {
@@ -218,7 +213,6 @@ double thickSpacing(const Solid& solid, double points) {
 /// exact anyway, so that they return from large deformations counts more.
 constexpr double kExactGrowth = 0.2, kRobustGrowth = 0.5;
 
-/// A filling.
 struct CookedFilling {
   TetrahedralMesh mesh;
   double spacing = 0.0;      ///< m
@@ -261,7 +255,6 @@ Result<CookedFilling> fillThickened(Builder& builder, const Part& part, const So
 /// parts have more mass than those of the mesh, by two thirds for a star; more points only cost time.
 constexpr double kMostExact = 1.5, kMorePoints = 1.15;
 
-/// Returns whether the filling follows all parts of the mesh.
 bool follows(const Part& part, const TetrahedralMesh& filling, double spacing) {
   return isConnected(filling) && largestMiss(part.welded, filling) < kMissed * spacing;
 }

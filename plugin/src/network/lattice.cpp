@@ -4,17 +4,6 @@
 
 #include "network/tetrahedra.h"
 
-#include "mesh/triangle_bvh.h"
-
-#include <Eigen/Core>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <utility>
-#include <vector>
-
 namespace limber {
 namespace {
 

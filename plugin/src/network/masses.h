@@ -2,7 +2,6 @@
 // Declares the moments of solids and the distribution of a body's mass over its points.
 #pragma once
 
-#include <limber/mesh.h>
 #include <limber/network_builder.h>
 
 #include <Eigen/Core>

@@ -4,19 +4,7 @@
 
 #include "network/material.h"
 
-#include "mesh/linear_algebra.h"
-#include "mesh/surface.h"
-#include "network/solid_responses.h"
-#include "network/tetrahedra.h"
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <map>
-#include <numeric>
-#include <utility>
 
 namespace limber {
 namespace {

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Finds the pieces of a network, its stiffness matrix at rest, its rigid motions and its softest modes.
 
-#include "network/modes.h"
+#include "network/stability.h"
 
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 
 namespace limber {
 

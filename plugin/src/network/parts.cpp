@@ -10,16 +10,10 @@
 #include "network/bracing.h"
 #include "network/material.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
-#include <memory>
 #include <numeric>
-#include <utility>
-#include <vector>
 
 namespace limber {
 

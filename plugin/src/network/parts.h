@@ -4,8 +4,6 @@
 #pragma once
 
 #include <limber/cook.h>
-#include <limber/mesh.h>
-#include <limber/result.h>
 
 #include <Eigen/Core>
 

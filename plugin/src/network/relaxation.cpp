@@ -2,27 +2,14 @@
 // Deforms bodies of a network and relaxes them: first lightly damped dynamics of many of them at once, then a
 // descent to the minimum of the energy.
 
-#include "network/relaxation.h"
-
 #include "mesh/linear_algebra.h"
 #include "mesh/random.h"
 #include "mesh/surface.h"
-#include "network/modes.h"
-#include "solver/point_state.h"
+#include "network/stability.h"
 #include "solver/simd_steps.h"
-#include "solver/springs.h"
 #include "solver/stepping_choice.h"
-#include "solver/verlet_step.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <list>
-#include <vector>
 
 namespace limber {
 namespace {
@@ -319,10 +306,6 @@ struct Dynamics {
   }
 };
 
-double timeOf(const Dynamics& dynamics, const Run& run) {
-  return run.substeps * std::ldexp(dynamics.step, -run.halvings);
-}
-
 bool isWild(const Dynamics& dynamics, const Run& run, double bound) {
   const double squaredSpeed =
       run.state.velocity.squaredNorm() / static_cast<double>(run.state.velocity.cols());
@@ -433,7 +416,7 @@ void advance(Dynamics& dynamics, std::list<Run>& runs, Starts& starts) {
   for (Run& run : runs) chooseStep(dynamics, run);
   stepAll(dynamics, runs);
   for (auto run = runs.begin(); run != runs.end();) {
-    const double time = timeOf(dynamics, *run);
+    const double time = run->substeps * std::ldexp(dynamics.step, -run->halvings);
     run->time += time;
     ++run->checks;
     run->state.velocity /= 1.0 + kRelaxationDrag * time;

@@ -2,22 +2,8 @@
 // Makes a detailed mesh follow the points of a network. Finds the points that are near only across a gap in
 // the body first, and gives them little weight.
 
-#include <limber/network_builder.h>
-
-#include "mesh/surface.h"
-#include "mesh/triangle_bvh.h"
 #include "network/skin.h"
 #include "network/tetrahedra.h"
-
-#include <limber/mesh.h>
-#include <limber/spring_network.h>
-
-#include <Eigen/SparseCore>
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <utility>
 
 namespace limber {
 namespace {

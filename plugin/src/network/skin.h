@@ -4,9 +4,7 @@
 
 #include "mesh/triangle_bvh.h"
 
-#include <limber/mesh.h>
 #include <limber/network_builder.h>
-#include <limber/spring_network.h>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>

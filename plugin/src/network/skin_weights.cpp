@@ -5,15 +5,9 @@
 #include "network/skin.h"
 
 #include "mesh/linear_algebra.h"
-#include "mesh/triangle_bvh.h"
 #include "network/tetrahedra.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
 
 namespace limber {
 namespace {

@@ -2,24 +2,10 @@
 // Integrates stiffness and mass of linear and quadratic tetrahedra, computes the slowest free vibrations of a
 // solid body from quadratic ones, and its response to uniform and linear stresses and to these vibrations.
 
-#include "network/solid_responses.h"
+#include "network/material.h"
 
-#include "mesh/linear_algebra.h"
-#include "mesh/surface.h"
 #include "network/masses.h"
-#include "network/modes.h"
-
-#include <limber/mesh.h>
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <optional>
-#include <utility>
-#include <vector>
+#include "network/stability.h"
 
 namespace limber {
 

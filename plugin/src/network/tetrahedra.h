@@ -4,7 +4,6 @@
 
 #include "mesh/triangle_bvh.h"
 
-#include <limber/mesh.h>
 #include <limber/spring_network.h>
 
 #include <Eigen/Core>

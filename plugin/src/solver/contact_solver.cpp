@@ -2,9 +2,6 @@
 // Solves the contacts, joints and anchors of an island together, by sweeps over their rows.
 #include "solver/contact_row.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace limber {
 namespace {
 

@@ -5,11 +5,7 @@
 #include "mesh/surface.h"
 #include "solver/contact_row.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
-
-#include <algorithm>
-#include <cmath>
 
 namespace limber {
 namespace {
@@ -31,12 +27,6 @@ void addPoint(IslandConstraints& rows, double* velocity, const Vector3d& inverse
 
 void setSpeeds(ConstraintRotation& rotation, const ContactConstraint& row, const Vector3d& arm) {
   for (int k = 0; k < 3; ++k) Map(rotation.speeds[k]) = arm.cross(ConstMap(row.axes[k]));
-}
-
-void addRotation(IslandConstraints& rows, const ContactConstraint& row, RigidState& rigid,
-                 const Vector3d& arm, double massFactor) {
-  rows.rotations.push_back({&rigid, 0, 1.0 / massFactor, {}, {}});
-  setSpeeds(rows.rotations.back(), row, arm);
 }
 
 constexpr double kNoInverseMass[3] = {0.0, 0.0, 0.0};
@@ -74,11 +64,6 @@ void reserveScaledMasses(IslandConstraints& rows) {
   rows.scaledMasses.reserve(count);
 }
 
-/// Returns an inverse mass for a mass that is larger by a factor.
-const double* scaledMass(IslandConstraints& rows, const double* inverseMass, double massFactor) {
-  return rows.scaledMasses.emplace_back(ConstMap(inverseMass) / massFactor).data();
-}
-
 /// Adds one side of a contact; `sign` is 1 for a and -1 for b.
 void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodies& bodies,
                      const ContactPoint& side, double sign) {
@@ -89,7 +74,8 @@ void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodi
     const PointView& view = bodies.views[side.body];
     for (std::uint32_t i = 0; i < side.count; ++i) {
       const double* inverseMass = inverseMassOf(rows, view, side.body, side.point[i]);
-      if (side.massFactor != 1.0) inverseMass = scaledMass(rows, inverseMass, side.massFactor);
+      if (side.massFactor != 1.0)
+        inverseMass = rows.scaledMasses.emplace_back(ConstMap(inverseMass) / side.massFactor).data();
       addPoint(rows, view.velocityOf(side.point[i]).data(), ConstMap(inverseMass), sign * side.weight[i]);
       rows.momentArms.back().position = view.positionOf(side.point[i]).data();
       rows.momentArms.back().inverseMass = inverseMass;
@@ -97,7 +83,8 @@ void addContactPoint(IslandConstraints& rows, ContactConstraint& row, LinkedBodi
   } else {
     RigidState& rigid = bodies.rigids[side.body];
     addPoint(rows, rigid.velocity.data(), rigid.inverseMass / side.massFactor, sign);
-    addRotation(rows, row, rigid, sign * side.arm, side.massFactor);
+    rows.rotations.push_back({&rigid, 0, 1.0 / side.massFactor, {}, {}});
+    setSpeeds(rows.rotations.back(), row, sign * side.arm);
   }
 }
 
@@ -460,7 +447,6 @@ bool follows(const Contact& c) {
   return c.held || c.corners.count > 0 || c.spheres > 0.0;
 }
 
-/// Sets `following`.
 void listFollowing(IslandConstraints& rows) {
   rows.following.clear();
   for (RowSet& set : rows.sets) {

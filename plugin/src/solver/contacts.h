@@ -3,10 +3,8 @@
 
 // Contacts and joints between bodies that are stepped together, and the solver for all of them in a substep.
 
-#include "solver/division.h"
 #include "solver/links.h"
 #include "solver/plane_contacts.h"
-#include "solver/point_state.h"
 #include "solver/team.h"
 
 #include <algorithm>

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Orders the springs and tetrahedra of a body and divides them among threads.
-#include "solver/division.h"
+#include "solver/springs.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
 #include <numeric>
-#include <utility>
 
 namespace limber {
 namespace {

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "solver/held_surface.h"
+#include "solver/plane_contacts.h"
 
 #include "mesh/surface.h"
-#include "solver/plane_kernel.h"
-
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <cmath>
 
 namespace limber {
 namespace {

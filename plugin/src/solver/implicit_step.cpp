@@ -2,12 +2,6 @@
 // Steps a soft body by the implicit midpoint rule: its equation, the iterations, and the limit of its energy.
 #include "solver/implicit_step.h"
 
-#include "solver/point_state.h"
-#include "solver/springs.h"
-
-#include <algorithm>
-#include <cmath>
-
 namespace limber {
 namespace {
 

@@ -7,12 +7,10 @@
 
 #include <Eigen/LU>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
 namespace limber {
 

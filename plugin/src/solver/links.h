@@ -141,7 +141,7 @@ struct BodyFrame {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(),
                   spin = Eigen::Vector3d::Zero();  ///< m/s and rad/s of the rigid body that the points have
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< kg m^2, about world axes
-  std::uint32_t begin = 0, end = 0;                ///< in LinkedBodies::framePoints
+  std::uint32_t begin = 0, end = 0;                   ///< in LinkedBodies::framePoints
 };
 
 /// A point of a BodyFrame that is not held.

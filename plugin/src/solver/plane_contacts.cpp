@@ -3,9 +3,6 @@
 
 #include "solver/lane_kernels.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace limber {
 namespace {
 

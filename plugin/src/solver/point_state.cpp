@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -14,15 +13,6 @@ namespace limber {
 namespace {
 
 // --- measures of a body ------------------------------------------------------------------------------------
-
-/// Calls visit(mass, i) for every point that can move.
-template <class Visit>
-void forEachMass(const PointState& state, Visit visit) {
-  for (Eigen::Index i = 0; i < state.position.cols(); ++i) {
-    const double mass = massOf(state.inverseMass, i);
-    if (mass > 0.0) visit(mass, i);
-  }
-}
 
 std::uint64_t addBits(std::uint64_t hash, const Points& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i) {

@@ -53,6 +53,13 @@ inline double massOf(const Points& inverseMass, Eigen::Index i) {
   return w > 0.0 ? 1.0 / w : 0.0;
 }
 
+/// Calls visit(mass, i) for every point that can move.
+template <class Visit>
+void forEachMass(const PointState& state, Visit visit) {
+  for (Eigen::Index i = 0; i < state.position.cols(); ++i)
+    if (const double mass = massOf(state.inverseMass, i); mass > 0.0) visit(mass, i);
+}
+
 // --- views of points ---------------------------------------------------------------------------------------
 
 /// The points of one body in its own array or in an array of several bodies: coordinate c of point i is at

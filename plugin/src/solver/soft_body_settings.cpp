@@ -5,17 +5,11 @@
 
 #include "mesh/surface.h"
 
-#include <limber/surroundings.h>
-
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <string>
 #include <tuple>
-#include <utility>
 
 namespace limber {
 namespace {

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <map>
-#include <utility>
 
 namespace limber {
 
@@ -21,10 +20,6 @@ Facet sorted(const Triangle& t) {
   Facet facet = {t[0], t[1], t[2]};
   std::sort(facet.begin(), facet.end());
   return facet;
-}
-
-bool anyDivided(const Separation& s, const Triangle& t) {
-  return std::any_of(t.begin(), t.end(), [&](std::uint32_t point) { return s.divided(point); });
 }
 
 /// Returns the element that has most of the points; the first one of several.
@@ -45,7 +40,7 @@ std::uint32_t hostOf(const Separation& s, const std::vector<std::uint32_t>& poin
 
 /// Gives a triangle of old points those of its element.
 Triangle follow(const Separation& s, const Triangle& t) {
-  if (!anyDivided(s, t)) return t;
+  if (std::none_of(t.begin(), t.end(), [&](std::uint32_t point) { return s.divided(point); })) return t;
   const std::uint32_t host = hostOf(s, {t[0], t[1], t[2]});
   Triangle result = t;
   for (std::uint32_t& point : result)

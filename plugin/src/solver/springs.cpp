@@ -4,11 +4,6 @@
 
 #include "mesh/random.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <utility>
-
 namespace limber {
 
 // --- groups ------------------------------------------------------------------------------------------------

@@ -6,11 +6,7 @@
 
 #include "mesh/linear_algebra.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
-#include <utility>
-#include <vector>
 
 namespace limber {
 namespace {

@@ -4,11 +4,7 @@
 // The frequencies at which a body oscillates, the stepper and number of substeps that these require, and
 // softer constants for bodies whose budget of substeps does not resolve their stiffness.
 
-#include "solver/point_state.h"
-#include "solver/springs.h"
 #include "solver/volumes.h"
-
-#include <limber/soft_body_settings.h>
 
 #include <memory>
 #include <vector>

@@ -4,12 +4,6 @@
 
 #include "mesh/surface.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 namespace limber {
 namespace {
 

@@ -413,7 +413,7 @@ struct Body {
   }
 };
 
-/// The ends of springs in strips (Strips of division.h).
+/// The ends of springs in strips (Strips of springs.h).
 struct StripBody {
   /// Numbers of a slot: for each of these quantities x of its points, one from each strip, then y and z.
   static constexpr unsigned kPosition = 0, kVelocity = 12, kForce = 24, kInverseMass = 36, kNumbers = 48;

@@ -2,13 +2,8 @@
 // Steps a single soft body, or several together, by velocity Verlet.
 #include "solver/verlet_step.h"
 
-#include "solver/contacts.h"
 #include "solver/lane_kernels.h"
 #include "solver/simd_steps.h"
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
 
 namespace limber {
 

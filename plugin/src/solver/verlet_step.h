@@ -4,14 +4,8 @@
 // Velocity Verlet for a single soft body, or for several together with the rigid bodies coupled to them.
 
 #include "solver/contacts.h"
-#include "solver/links.h"
 #include "solver/medium.h"
 #include "solver/motion_sums.h"
-#include "solver/plane_contacts.h"
-#include "solver/point_state.h"
-#include "solver/springs.h"
-#include "solver/team.h"
-#include "solver/verlet_kernel.h"
 #include "solver/volumes.h"
 
 #include <array>
@@ -92,7 +86,7 @@ struct BodyPart {
   bool isWhole() const { return end == kWhole; }
 };
 
-/// The tasks of a step. Only bodies that several threads step are divided (see division.h).
+/// The tasks of a step. Only bodies that several threads step are divided (see Division).
 struct StepParts {
   std::vector<BodyPart> points;    ///< of Division::points, if divided
   std::vector<BodyPart> contacts;  ///< ranges of points whose plane contacts are solved by one task

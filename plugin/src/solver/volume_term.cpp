@@ -4,17 +4,8 @@
 
 #include "mesh/surface.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 namespace limber {
 namespace {
-
-/// The defects must be those of the surface itself: the network's report may belong to another surface.
-bool isClosed(const EdgeDefects& defects) {
-  return defects.open + defects.nonManifold + defects.inconsistent == 0;
-}
 
 bool hasSurface(const SpringNetwork& network) {
   return network.kind == NetworkKind::Solid && !network.surface.empty();
@@ -25,8 +16,9 @@ bool mayHaveVolume(const SpringNetwork& network) { return hasSurface(network) &&
 std::string whyNoVolume(const SpringNetwork& network) {
   if (!hasSurface(network)) return "a rope or cloth encloses no volume";
   if (!network.tetrahedra.empty()) return "a body of tetrahedra has no room for gas";
+  // those of the surface itself: the network's report may belong to another surface
   const EdgeDefects defects = findEdgeDefects(network.surface);
-  if (isClosed(defects)) return "the surface encloses nothing: it is flat";
+  if (defects.none()) return "the surface encloses nothing: it is flat";
   const auto edges = [](std::size_t count, const char* what) {
     return count == 0 ? std::string() : std::to_string(count) + " " + what + " edges, ";
   };
@@ -86,14 +78,6 @@ double boxVolume(const std::vector<Triangle>& triangles, std::size_t first, cons
   for (std::size_t t = first; t < triangles.size(); ++t)
     for (const std::uint32_t corner : triangles[t]) box.extend(Eigen::Vector3d(points.col(corner)));
   return box.sizes().prod();
-}
-
-std::vector<std::vector<Triangle>> trianglesByComponent(const SpringNetwork& network) {
-  const SurfaceComponents components = findComponents(network.restPoints.size(), network.surface);
-  std::vector<std::vector<Triangle>> triangles(components.count);
-  for (std::size_t t = 0; t < network.surface.size(); ++t)
-    triangles[components.ofTriangle[t]].push_back(network.surface[t]);
-  return triangles;
 }
 
 /// Adds a component, with its triangles oriented outwards. In the mesh they may be oriented inwards, because
@@ -219,7 +203,7 @@ std::string checkVolume(const SpringNetwork& network, const SoftBodySettings& se
                             : settings.volumeModulus.value_or(0.0) > 0.0 && !perTetrahedron ? "volumeModulus"
                                                                                             : nullptr;
   if (!asked) return {};
-  const bool closed = mayHaveVolume(network) && isClosed(findEdgeDefects(network.surface));
+  const bool closed = mayHaveVolume(network) && findEdgeDefects(network.surface).none();
   if (closed && !makeVolumes(network, settings).empty()) return {};
   return std::string(asked) + ": " + whyNoVolume(network);
 }
@@ -229,8 +213,8 @@ VolumeConstants closedSurfaces(const SpringNetwork& network, const Points& rest)
   v.firstTriangle = {0};
   v.componentOf.assign(network.restPoints.size(), 0);
   if (!hasSurface(network)) return v;
-  for (const std::vector<Triangle>& component : trianglesByComponent(network))
-    if (isClosed(findEdgeDefects(component))) addComponent(v, component, rest);
+  for (const std::vector<Triangle>& component : trianglesOfPieces(network.restPoints.size(), network.surface))
+    if (findEdgeDefects(component).none()) addComponent(v, component, rest);
   return v;
 }
 

@@ -3,12 +3,7 @@
 
 // The volume terms of a body: for its closed surfaces and for its tetrahedra.
 
-#include "solver/division.h"
-#include "solver/point_state.h"
-#include "solver/verlet_kernel.h"
-
-#include <limber/soft_body_settings.h>
-#include <limber/spring_network.h>
+#include "solver/springs.h"
 
 #include <string>
 #include <vector>
