@@ -298,66 +298,105 @@ double workOfJoints(double JointSource::*speed, const Island& island, const Tick
   return work;
 }
 
-/// Mass (kg) and mean velocity (m/s) of all moving bodies. The mass is 0 if one is joined to a static or
+/// Mass (kg) and mean velocity (m/s) of moving bodies. The mass is 0 if one is joined to a static or
 /// kinematic body.
 struct CommonMotion {
   double mass = 0.0;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+
+  void add(double bodyMass, const Eigen::Vector3d& momentum) {
+    mass += bodyMass;
+    mean += momentum;
+  }
 };
 
-CommonMotion commonMotion(const SolverIsland& step) {
+bool isJoint(const JointConstraint& j) { return j.contact == JointConstraint::kHeld; }
+
+/// Calls softs(body) and rigids(body) for the moving bodies that count: all, or those of `only` (see
+/// Island::joined).
+template <class Step, class Softs, class Rigids>
+void forEachMoving(Step& step, const std::vector<unsigned char>* only, Softs softs, Rigids rigids) {
+  for (std::size_t i = 0; i < step.bodies.size(); ++i)
+    if (!only || (*only)[i]) softs(*step.bodies[i].points);
+  for (std::size_t i = 0; i < step.links.rigids.size(); ++i) {
+    auto& rigid = step.links.rigids[i];
+    const bool counts = !only || (*only)[step.bodies.size() + i];
+    if (counts && !rigid.isFrame && rigid.inverseMass.minCoeff() > 0.0) rigids(rigid);
+  }
+}
+
+CommonMotion commonMotion(const SolverIsland& step, const std::vector<unsigned char>* only) {
   CommonMotion all;
   for (const JointConstraint& j : step.pairs.joints)
-    if (j.contact == JointConstraint::kHeld &&
-        (j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld))
-      return all;
-  for (const SolverBody& body : step.bodies) {
-    all.mass += totalMass(*body.points);
-    all.mean += linearMomentum(*body.points);
-  }
-  for (const RigidState& rigid : step.links.rigids)
-    if (!rigid.isFrame && rigid.inverseMass.minCoeff() > 0.0) {
-      all.mass += 1.0 / rigid.inverseMass.x();
-      all.mean += rigid.velocity / rigid.inverseMass.x();
-    }
+    if (isJoint(j) && (j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld)) return all;
+  forEachMoving(
+      step, only, [&](const PointState& points) { all.add(totalMass(points), linearMomentum(points)); },
+      [&](const RigidState& rigid) {
+        all.add(1.0 / rigid.inverseMass.x(), rigid.velocity / rigid.inverseMass.x());
+      });
   if (all.mass > 0.0) all.mean /= all.mass;
   return all;
 }
 
 /// J, relative to the mean motion.
-double relativeEnergy(const SolverIsland& step, const CommonMotion& motion) {
-  return kineticEnergy(step) - 0.5 * motion.mass * motion.mean.squaredNorm();
+double relativeEnergy(const SolverIsland& step, const CommonMotion& motion,
+                      const std::vector<unsigned char>* only) {
+  double sum = -0.5 * motion.mass * motion.mean.squaredNorm();
+  forEachMoving(
+      step, only, [&](const PointState& points) { sum += limber::kineticEnergy(points); },
+      [&](const RigidState& rigid) { sum += kineticEnergy(rigid); });
+  return sum;
 }
 
 /// Returns the mean square (m^2/s^2) of all velocities relative to the mean motion, weighted by mass.
 double squaredMotion(const SolverIsland& step) {
-  const CommonMotion motion = commonMotion(step);
-  return motion.mass > 0.0 ? 2.0 * relativeEnergy(step, motion) / motion.mass : 0.0;
+  const CommonMotion motion = commonMotion(step, nullptr);
+  return motion.mass > 0.0 ? 2.0 * relativeEnergy(step, motion, nullptr) / motion.mass : 0.0;
 }
 
-/// Scales all velocities relative to `mean`.
-void slowDown(SolverIsland& step, const Eigen::Vector3d& mean, double factor) {
-  for (SolverBody& body : step.bodies)
-    for (Eigen::Index i = 0; i < body.points->velocity.cols(); ++i)
-      if (body.points->inverseMass.col(i).minCoeff() > 0.0)
-        body.points->velocity.col(i) = mean + factor * (body.points->velocity.col(i) - mean);
-  for (RigidState& rigid : step.links.rigids)
-    if (rigid.inverseMass.minCoeff() > 0.0) {
-      rigid.velocity = mean + factor * (rigid.velocity - mean);
-      rigid.angularVelocity *= factor;
-    }
+/// Scales velocities relative to `mean`.
+void slowDown(SolverIsland& step, const std::vector<unsigned char>& only, const Eigen::Vector3d& mean,
+              double factor) {
+  const auto slowPoints = [&](PointState& points) {
+    for (Eigen::Index i = 0; i < points.velocity.cols(); ++i)
+      if (points.inverseMass.col(i).minCoeff() > 0.0)
+        points.velocity.col(i) = mean + factor * (points.velocity.col(i) - mean);
+  };
+  forEachMoving(step, &only, slowPoints, [&](RigidState& rigid) {
+    rigid.velocity = mean + factor * (rigid.velocity - mean);
+    rigid.angularVelocity *= factor;
+  });
 }
 
-/// Removes the increase of the energy in the tick from the motion, as far as joints have caused it by
-/// correcting their errors.
+/// Sets island.joined.
+void markJoined(Island& island) {
+  const SolverIsland& step = island.step;
+  island.joined.assign(step.bodies.size() + step.links.rigids.size(), 0);
+  unsigned char *softs = island.joined.data(), *rigids = softs + step.bodies.size();
+  for (const JointConstraint& j : step.pairs.joints)
+    for (const std::uint32_t side : {j.a, j.b})
+      if (isJoint(j) && side != JointConstraint::kHeld) rigids[side] = 1;
+  for (const BodyFrame& frame : step.links.frames) softs[frame.body] = rigids[frame.rigid];
+  for (const LinkedGroup* group : island.groups) {
+    unsigned char *softsEnd = softs + group->bodies.size(), *rigidsEnd = rigids + group->rigids.size();
+    if (std::count(softs, softsEnd, 1) + std::count(rigids, rigidsEnd, 1) > 0)
+      std::fill(softs, softsEnd, 1), std::fill(rigids, rigidsEnd, 1);
+    softs = softsEnd, rigids = rigidsEnd;
+  }
+}
+
+/// Removes the increase of the energy in the tick from the motion of the joints' bodies, as far as joints
+/// have caused it by correcting their errors.
 void limitEnergy(Island& island, const TickContacts& found, double energyBefore) {
   const double outer = workOfSurroundings(island) + workOfJoints(&JointSource::kinematic, island, found);
   const double increase = energyOf(island.step) - energyBefore - outer;
   const double excess = std::min(increase, workOfJoints(&JointSource::recovery, island, found));
   if (!(excess > 0.0)) return;
-  const CommonMotion motion = commonMotion(island.step);
-  const double relative = relativeEnergy(island.step, motion);
-  if (relative > excess) slowDown(island.step, motion.mean, std::sqrt(1.0 - excess / relative));
+  markJoined(island);
+  const CommonMotion motion = commonMotion(island.step, &island.joined);
+  const double relative = relativeEnergy(island.step, motion, &island.joined);
+  if (relative > excess)
+    slowDown(island.step, island.joined, motion.mean, std::sqrt(1.0 - excess / relative));
 }
 
 // --- contacts and impulses of the step ---------------------------------------------------------------------

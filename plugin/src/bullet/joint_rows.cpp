@@ -159,12 +159,15 @@ Rows readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btSca
 /// Replaces the force of springs by that of half a tick later. The force is constant in the tick of length h.
 /// If it is that of the distance x at the start, (x, v) is multiplied by a matrix of determinant 1 + (omega
 /// h)^2 / 2, and oscillations grow. With the distance in the middle, x + h v / 2, the determinant is 1.
+/// Rows of limits may come and go between the two.
 void copySprings(const Rows& middle, Rows& buffer) {
-  for (int i = 0; i < buffer.count && middle.count == buffer.count; ++i) {
-    Row& row = buffer.rows[i];
-    const Row& later = middle.rows[i];
-    if (row.isDriven() && later.isDriven())
-      row.error = later.error, row.lower = later.lower, row.upper = later.upper;
+  const Row *later = middle.rows, *const end = middle.rows + middle.count;
+  for (Row* row = buffer.rows; row != buffer.rows + buffer.count; ++row) {
+    if (!row->isDriven()) continue;
+    while (later != end && !later->isDriven()) ++later;
+    if (later == end) return;
+    row->error = later->error, row->lower = later->lower, row->upper = later->upper;
+    ++later;
   }
 }
 

@@ -256,6 +256,8 @@ struct Island {
   std::vector<PlaneContact*> rows;      ///< of the next step.pairs.contacts
   std::vector<std::uint32_t> joints;    ///< indices in TickContacts of step.pairs.joints
   std::vector<RigidState> start;        ///< step.links.rigids before the step, if there are joints
+  std::vector<unsigned char> joined;    ///< step.bodies, then step.links.rigids: 1 if the body, or one that
+                                        ///< springs or anchors link to it, has a joint
   LinkedBodies mean;                    ///< scratch, see offerToJoints()
   std::vector<IslandPair> candidates;
   std::vector<LateContact> late;                                     ///< of the last step.pairs.contacts
