@@ -68,6 +68,11 @@ RigidFit fitRigid(const MotionSums& s, const Vector3d& from) {
   return fit;
 }
 
+/// Whether a symmetric matrix is positive definite, by its leading minors.
+bool isPositive(const Matrix3d& m) {
+  return m(0, 0) > 0.0 && m(0, 0) * m(1, 1) > m(1, 0) * m(1, 0) && m.determinant() > 0.0;
+}
+
 /// Rotates the object's frame with the body: returns the rotation R that brings the network's rest shape
 /// nearest to the points, which have the moments M. It is also defined for ropes and cloths.
 ///
@@ -83,9 +88,8 @@ Eigen::Quaterniond follow(const Matrix3d& moments, double meanSquare, Eigen::Qua
     const Matrix3d r = q.toRotationMatrix(), b = moments * r.transpose();
     const Vector3d gradient(b(2, 1) - b(1, 2), b(0, 2) - b(2, 0), b(1, 0) - b(0, 1));
     const Matrix3d curvature = (b.trace() + least) * Matrix3d::Identity() - 0.5 * (b + b.transpose());
-    const Eigen::LLT<Matrix3d> factor(curvature);
-    Vector3d turn = factor.info() == Eigen::Success ? Vector3d(factor.solve(gradient))
-                                                    : Vector3d(gradient / (std::abs(b.trace()) + least));
+    Vector3d turn = isPositive(curvature) ? Vector3d(curvature.inverse() * gradient)
+                                          : Vector3d(gradient / (std::abs(b.trace()) + least));
     const double angle = turn.norm();
     if (!(angle > 1e-9) || !std::isfinite(angle)) break;
     turn *= std::min(1.0, 1.0 / angle);
