@@ -522,10 +522,12 @@ void Writer::joins(int frames) {
 }
 
 /// Joints of soft bodies with others and with the world. In closed stories none drives. Has dice of its own,
-/// too. Two rigid boxes on a btFixedConstraint explode in Bullet's NNCG solver.
+/// too. Rigid boxes on such joints explode in Bullet's NNCG solver and, where they are over-constrained, in
+/// its MLCP solver.
 void Writer::surfaceJoints() {
   Dice dice(story_.seed + 0x301e);
-  if (story_.steps[0].choice("solver") == "nncg") return;
+  const std::string& solver = story_.steps[0].choice("solver");
+  if (solver == "nncg" || solver == "mlcp") return;
   std::vector<int> others = {0};
   for (const Step& s : story_.steps)
     if (s.kind == Kind::Soft || s.kind == Kind::Rigid) others.push_back(s.id);
