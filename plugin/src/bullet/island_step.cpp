@@ -298,16 +298,17 @@ double workOfJoints(double JointSource::*speed, const Island& island, const Tick
   return work;
 }
 
-/// Mass (kg) and mean velocity (m/s) of moving bodies. The mass is 0 if one is joined to a static or
-/// kinematic body.
+/// The motion of moving bodies as one rigid body. The mass is 0 if one is joined to a static or kinematic
+/// body.
 struct CommonMotion {
-  double mass = 0.0;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double mass = 0.0;                                  ///< kg
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();   ///< m, of mass
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();     ///< m/s
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();     ///< rad/s; 0 unless addSpin() sets it
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< kg m^2/s, the angular momentum of the spin
 
-  void add(double bodyMass, const Eigen::Vector3d& momentum) {
-    mass += bodyMass;
-    mean += momentum;
-  }
+  Eigen::Vector3d at(const Eigen::Vector3d& position) const { return mean + spin.cross(position - center); }
+  double energy() const { return 0.5 * mass * mean.squaredNorm() + 0.5 * spin.dot(angular); }
 };
 
 bool isJoint(const JointConstraint& j) { return j.contact == JointConstraint::kHeld; }
@@ -325,23 +326,58 @@ void forEachMoving(Step& step, const std::vector<unsigned char>* only, Softs sof
   }
 }
 
+/// Calls visit(mass, position, velocity) for their points and rigid bodies.
+template <class Visit>
+void forEachMass(const SolverIsland& step, const std::vector<unsigned char>* only, Visit visit) {
+  const auto visitPoints = [&](const PointState& points) {
+    for (Eigen::Index i = 0; i < points.position.cols(); ++i)
+      if (const double inverse = points.inverseMass.col(i).minCoeff(); inverse > 0.0)
+        visit(1.0 / inverse, points.position.col(i), points.velocity.col(i));
+  };
+  forEachMoving(step, only, visitPoints, [&](const RigidState& rigid) {
+    visit(1.0 / rigid.inverseMass.x(), rigid.position, rigid.velocity);
+  });
+}
+
 CommonMotion commonMotion(const SolverIsland& step, const std::vector<unsigned char>* only) {
   CommonMotion all;
   for (const JointConstraint& j : step.pairs.joints)
     if (isJoint(j) && (j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld)) return all;
-  forEachMoving(
-      step, only, [&](const PointState& points) { all.add(totalMass(points), linearMomentum(points)); },
-      [&](const RigidState& rigid) {
-        all.add(1.0 / rigid.inverseMass.x(), rigid.velocity / rigid.inverseMass.x());
-      });
-  if (all.mass > 0.0) all.mean /= all.mass;
+  forEachMass(step, only, [&](double mass, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
+    all.mass += mass, all.center += mass * x, all.mean += mass * v;
+  });
+  if (all.mass > 0.0) all.center /= all.mass, all.mean /= all.mass;
   return all;
+}
+
+/// Sets the angular velocity that belongs to the angular momentum about the centre of mass, unless a rigid
+/// body cannot turn freely.
+void addSpin(const SolverIsland& step, const std::vector<unsigned char>& only, CommonMotion& motion) {
+  bool isFree = motion.mass > 0.0;
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  forEachMass(step, &only, [&](double mass, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
+    const Eigen::Vector3d d = x - motion.center;
+    angular += mass * d.cross(v);
+    inertia += mass * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
+  });
+  forEachMoving(
+      step, &only, [](const PointState&) {},
+      [&](const RigidState& rigid) {
+        isFree = isFree && rigid.inverseInertiaLocal.minCoeff() > 0.0 && rigid.angularFactor.minCoeff() > 0.0;
+        if (!isFree) return;
+        angular += rigid.angularMomentum();
+        inertia += rigid.inverseInertia.inverse();
+      });
+  if (!isFree) return;
+  motion.spin = inertia.completeOrthogonalDecomposition().solve(angular);
+  motion.angular = angular;
 }
 
 /// J, relative to the mean motion.
 double relativeEnergy(const SolverIsland& step, const CommonMotion& motion,
                       const std::vector<unsigned char>* only) {
-  double sum = -0.5 * motion.mass * motion.mean.squaredNorm();
+  double sum = -motion.energy();
   forEachMoving(
       step, only, [&](const PointState& points) { sum += limber::kineticEnergy(points); },
       [&](const RigidState& rigid) { sum += kineticEnergy(rigid); });
@@ -354,17 +390,20 @@ double squaredMotion(const SolverIsland& step) {
   return motion.mass > 0.0 ? 2.0 * relativeEnergy(step, motion, nullptr) / motion.mass : 0.0;
 }
 
-/// Scales velocities relative to `mean`.
-void slowDown(SolverIsland& step, const std::vector<unsigned char>& only, const Eigen::Vector3d& mean,
+/// Scales velocities relative to the common motion.
+void slowDown(SolverIsland& step, const std::vector<unsigned char>& only, const CommonMotion& motion,
               double factor) {
   const auto slowPoints = [&](PointState& points) {
-    for (Eigen::Index i = 0; i < points.velocity.cols(); ++i)
+    for (Eigen::Index i = 0; i < points.velocity.cols(); ++i) {
+      const Eigen::Vector3d common = motion.at(points.position.col(i));
       if (points.inverseMass.col(i).minCoeff() > 0.0)
-        points.velocity.col(i) = mean + factor * (points.velocity.col(i) - mean);
+        points.velocity.col(i) = common + factor * (points.velocity.col(i) - common);
+    }
   };
   forEachMoving(step, &only, slowPoints, [&](RigidState& rigid) {
-    rigid.velocity = mean + factor * (rigid.velocity - mean);
-    rigid.angularVelocity *= factor;
+    const Eigen::Vector3d common = motion.at(rigid.position);
+    rigid.velocity = common + factor * (rigid.velocity - common);
+    rigid.angularVelocity = motion.spin + factor * (rigid.angularVelocity - motion.spin);
   });
 }
 
@@ -393,10 +432,10 @@ void limitEnergy(Island& island, const TickContacts& found, double energyBefore)
   const double excess = std::min(increase, workOfJoints(&JointSource::recovery, island, found));
   if (!(excess > 0.0)) return;
   markJoined(island);
-  const CommonMotion motion = commonMotion(island.step, &island.joined);
+  CommonMotion motion = commonMotion(island.step, &island.joined);
+  addSpin(island.step, island.joined, motion);
   const double relative = relativeEnergy(island.step, motion, &island.joined);
-  if (relative > excess)
-    slowDown(island.step, island.joined, motion.mean, std::sqrt(1.0 - excess / relative));
+  if (relative > excess) slowDown(island.step, island.joined, motion, std::sqrt(1.0 - excess / relative));
 }
 
 // --- contacts and impulses of the step ---------------------------------------------------------------------

@@ -142,11 +142,54 @@ class PredictedPoses {
   btTransform poses_[2];
 };
 
+/// Changes, while this object exists, limits of a btGeneric6DofConstraint that its present position meets
+/// exactly: the joint has no row for such an axis, though it is locked, and the step often leaves no error.
+class NudgedLimits {
+ public:
+  /// Calculates the position.
+  explicit NudgedLimits(btTypedConstraint& joint) {
+    const btTypedConstraintType type = joint.getConstraintType();
+    if (type != D6_CONSTRAINT_TYPE && type != D6_SPRING_CONSTRAINT_TYPE) return;
+    joint_ = static_cast<btGeneric6DofConstraint*>(&joint);
+    joint_->calculateTransforms();
+    forEachAxis([&](int i, btScalar position, btScalar& lower, btScalar& upper) {
+      limits_[i] = lower;
+      isNudged_[i] = lower == upper && position == lower;
+      if (isNudged_[i]) lower = upper = lower + btMax(btFabs(lower) * SIMD_EPSILON, btScalar(1e-12));
+    });
+  }
+  ~NudgedLimits() {
+    if (!joint_) return;
+    forEachAxis([&](int i, btScalar, btScalar& lower, btScalar& upper) {
+      if (isNudged_[i]) lower = upper = limits_[i];
+    });
+  }
+  NudgedLimits(const NudgedLimits&) = delete;
+  NudgedLimits& operator=(const NudgedLimits&) = delete;
+
+ private:
+  /// Calls visit(axis, position, lower limit, upper limit) for the three shifts and the three angles.
+  template <class Visit>
+  void forEachAxis(Visit visit) {
+    btTranslationalLimitMotor& shifts = *joint_->getTranslationalLimitMotor();
+    for (int i : {0, 1, 2}) {
+      visit(i, joint_->getRelativePivotPosition(i), shifts.m_lowerLimit[i], shifts.m_upperLimit[i]);
+      btRotationalLimitMotor& angle = *joint_->getRotationalLimitMotor(i);
+      visit(3 + i, joint_->getAngle(i), angle.m_loLimit, angle.m_hiLimit);
+    }
+  }
+
+  btGeneric6DofConstraint* joint_ = nullptr;
+  btScalar limits_[6];
+  bool isNudged_[6];
+};
+
 /// Returns the rows as Bullet's solver gets them, with the bodies moved by PredictedPoses.
 Rows readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScalar tick, btScalar time) {
   const PredictedPoses poses(joint, time);
   Rows buffer;
   joint.buildJacobian();
+  const NudgedLimits limits(joint);
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
   if (size.m_numConstraintRows > kMaxRows) return buffer;

@@ -498,7 +498,7 @@ bool mustHold(const JointConstraint& j) {
 }  // namespace
 
 void holdJoints(IslandConstraints& rows, LinkedBodies& bodies) {
-  turnJoints(rows, bodies, 0.0);
+  turnJoints(rows, bodies, 0.0, JointPivots::Own);
   for (JointConstraint& j : rows.joints) j.direction = 0.0;
   double largest = HUGE_VAL;
   for (int sweep = 0; sweep < kMaxSweeps && largest > rows.tolerance; ++sweep) {

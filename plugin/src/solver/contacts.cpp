@@ -411,11 +411,21 @@ Vector3d centripetal(std::uint32_t side, const LinkedBodies& bodies, const Vecto
   return spin.cross(spin.cross(arm));
 }
 
+/// Returns the arm of the first body's side. The row is the rate of  n . (pivot of b - pivot of a)  with an n
+/// that turns with a, so the arm reaches to the pivot of b, which slides along a in some joints. The forces
+/// then act along one line, and conserve angular momentum.
+Vector3d firstArm(const JointConstraint& j, const LinkedBodies& bodies, const Vector3d& armB,
+                  JointPivots pivots) {
+  if (pivots == JointPivots::Own || j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld)
+    return rotationOf(j.a, bodies) * j.local.armA;
+  return bodies.rigids[j.b].position + armB - bodies.rigids[j.a].position;
+}
+
 /// Turns a row along n. The angular parts of a linear row are  r x n,  with the pivot at r from the centre of
 /// mass, and what is left of them. The axis of the first body counts for both, except where each has its own.
-void turn(JointConstraint& j, const LinkedBodies& bodies, double dt) {
+void turn(JointConstraint& j, const LinkedBodies& bodies, double dt, JointPivots pivots) {
   const Eigen::Quaterniond a = rotationOf(j.a, bodies), b = rotationOf(j.b, bodies);
-  const Vector3d n = a * j.local.axis, armA = a * j.local.armA, armB = b * j.local.armB;
+  const Vector3d n = a * j.local.axis, armB = b * j.local.armB, armA = firstArm(j, bodies, armB, pivots);
   const Vector3d angularA = a * j.local.angularA;
   j.linearA = n, j.linearB = -n;
   j.angularA = armA.cross(n) + angularA;
@@ -523,10 +533,10 @@ void startTurning(IslandConstraints& rows, const LinkedBodies& bodies) {
   for (JointConstraint& j : rows.joints) j.local = localAxes(j, bodies);
 }
 
-void turnJoints(IslandConstraints& rows, const LinkedBodies& bodies, double dt) {
+void turnJoints(IslandConstraints& rows, const LinkedBodies& bodies, double dt, JointPivots pivots) {
   for (JointConstraint& j : rows.joints) {
     if (j.contact != JointConstraint::kHeld) continue;
-    turn(j, bodies, dt);
+    turn(j, bodies, dt, pivots);
     prepareJoint(j, bodies);
   }
 }

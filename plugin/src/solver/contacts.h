@@ -95,6 +95,10 @@ struct JointAxes {
   bool shared = false;                                 ///< angularB is opposite to angularA
 };
 
+/// Where a row's force acts on its first body: at its own pivot, as in Bullet's rows, or at that of the
+/// second.
+enum class JointPivots { Own, Shared };
+
 /// One row of a joint between rigid bodies, in the form of Bullet's constraints:
 ///     linearA . va + angularA . wa + linearB . vb + angularB . wb = speed,
 /// enforced by an impulse between lower and upper along the same vectors.
@@ -327,7 +331,7 @@ void startTurning(IslandConstraints& rows, const LinkedBodies& bodies);
 /// Turns the joints' rows with their bodies, before a solve. The impulses of a row must act at the pivots
 /// where these are now: along lines that pass each other, they would change the angular momentum. `dt`: s, of
 /// the coming drift; 0 before a solve of velocities.
-void turnJoints(IslandConstraints& rows, const LinkedBodies& bodies, double dt);
+void turnJoints(IslandConstraints& rows, const LinkedBodies& bodies, double dt, JointPivots pivots);
 
 /// Changes the velocities of `bodies`, which are where they were at the start of the tick, by impulses of the
 /// joints, until these hold at the present velocities alone. Motors, springs and rolling friction do nothing.

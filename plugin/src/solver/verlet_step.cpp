@@ -393,7 +393,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     kickAndStop(group, team, s * dt, dt);
     followContacts(group.pairs, group.links, team, dt);
     fitFrames(group.links);
-    turnJoints(group.pairs, group.links, dt);
+    turnJoints(group.pairs, group.links, dt, JointPivots::Shared);
     solvePositions(group.pairs, group.links, team, dt, tick);
     updateGaps(group.pairs, team, dt);
     const bool estimates = last || 2 * s == substeps;
@@ -405,7 +405,7 @@ void stepLinked(SolverIsland& group, Team& team, double tick, int substeps) {
     kickAndSettle(group, team, dt);
     followContacts(group.pairs, group.links, team, 0.0);
     fitFrames(group.links);
-    turnJoints(group.pairs, group.links, 0.0);
+    turnJoints(group.pairs, group.links, 0.0, JointPivots::Shared);
     solveVelocities(group.pairs, group.links, team);
     sumAnchorImpulses(group.links);
     // the half dampings of two successive substeps act at the same positions, so a full one replaces them
