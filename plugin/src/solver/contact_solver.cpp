@@ -58,12 +58,20 @@ double speedOf(const LinkedBodies& bodies, const JointConstraint& j) {
   return speed;
 }
 
+/// Like kSoftness, of the joints' block. A taut chain of joints has no other compliance across it: without
+/// any, it would vibrate for ever. A pivot that bears the weight of a body is off by less than 1e-6 m at 1/60
+/// s.
+constexpr double kBlockSoftness = 1e-3;
+
+/// Returns the speed that the row lacks, with the impulse `sum`.
+double errorOf(const LinkedBodies& bodies, const JointConstraint& j, double softness, double sum) {
+  const double yielding = softness * (sum - kKept * j.before) / j.mass;
+  return j.speed - j.curve - speedOf(bodies, j) - j.softness * sum - yielding;
+}
+
 /// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
-/// `softness`: that of contacts.
 void solveJoint(LinkedBodies& bodies, JointConstraint& j, double softness, double& sum) {
-  const double error = j.speed - j.curve - speedOf(bodies, j);
-  const double yielding = softness * (sum - kKept * j.before);
-  const double target = sum + ((error - j.softness * sum) * j.mass - yielding) / (1.0 + softness);
+  const double target = sum + errorOf(bodies, j, softness, sum) * j.mass / (1.0 + softness);
   const double impulse = std::clamp(target, j.lower, j.upper);
   j.change = impulse - sum;
   sum = impulse;
@@ -254,6 +262,7 @@ struct Solve {
   }
 
   void start() {
+    factorBlock(rows.joints, bodies, blockSoftness(), rows.block);
     if (rows.restitutes) forEachRow(rows, team, [&](std::size_t i) { setTarget(i); });
     for (JointConstraint& j : rows.joints) {
       apply(j, impulse(j));
@@ -352,13 +361,36 @@ struct Solve {
 
   bool hasOnlyContacts() const { return rows.joints.empty() && bodies.anchors.empty(); }
 
+  double jointSoftness() const { return rows.pressed ? kSoftness : 0.0; }
+  double blockSoftness() const { return rows.pressed ? kSoftness : kBlockSoftness; }
+
+  /// Solves the rows of the block together. The changes of their speeds count: along a taut chain, large
+  /// impulses change little.
+  void sweepBlock(SweepChange& change) const {
+    JointBlock& block = rows.block;
+    for (std::size_t i = 0; i < block.rows.size(); ++i) {
+      JointConstraint& j = rows.joints[block.rows[i]];
+      block.change[i] = errorOf(bodies, j, blockSoftness(), impulse(j));
+      if (block.pivots[i] > 0.0)
+        change.add(block.change[i] * block.change[i] * j.mass * j.mass, 1.0 / j.mass);
+    }
+    solveBlock(block);
+    for (std::size_t i = 0; i < block.rows.size(); ++i) {
+      JointConstraint& j = rows.joints[block.rows[i]];
+      j.change = block.change[i];
+      impulse(j) += j.change;
+      apply(j, j.change);
+    }
+  }
+
   SweepChange sweepJoints(bool free) const {
     SweepChange change;
     fitFrameVelocities(bodies);
+    sweepBlock(change);
     for (JointConstraint& j : rows.joints) {
-      if (j.mass == 0.0) continue;
+      if (j.mass == 0.0 || j.inBlock) continue;
       if (free && j.contact != JointConstraint::kHeld) limitRolling(j);
-      solveJoint(bodies, j, rows.pressed ? kSoftness : 0.0, impulse(j));
+      solveJoint(bodies, j, jointSoftness(), impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }
     pushFrames(bodies);
@@ -500,12 +532,22 @@ bool mustHold(const JointConstraint& j) {
 void holdJoints(IslandConstraints& rows, LinkedBodies& bodies) {
   turnJoints(rows, bodies, 0.0, JointPivots::Own);
   for (JointConstraint& j : rows.joints) j.direction = 0.0;
+  JointBlock& block = rows.block;
+  factorBlock(rows.joints, bodies, kBlockSoftness, block);
   double largest = HUGE_VAL;
   for (int sweep = 0; sweep < kMaxSweeps && largest > rows.tolerance; ++sweep) {
     largest = 0.0;
+    const auto lacks = [&](const JointConstraint& j) { return j.speed - speedOf(bodies, j); };
+    for (std::size_t i = 0; i < block.rows.size(); ++i) {
+      block.change[i] = lacks(rows.joints[block.rows[i]]);
+      largest = std::max(largest, std::abs(block.change[i]));
+    }
+    solveBlock(block);
+    for (std::size_t i = 0; i < block.rows.size(); ++i)
+      pushBodies(bodies, rows.joints[block.rows[i]], block.change[i]);
     for (JointConstraint& j : rows.joints) {
-      if (!mustHold(j)) continue;
-      const double target = j.direction + (j.speed - speedOf(bodies, j)) * j.mass;
+      if (!mustHold(j) || j.inBlock) continue;
+      const double target = j.direction + lacks(j) * j.mass;
       const double change = std::clamp(target, j.lower, j.upper) - j.direction;
       pushBodies(bodies, j, change);
       j.direction += change;

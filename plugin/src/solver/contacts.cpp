@@ -520,6 +520,7 @@ void prepareConstraints(IslandConstraints& rows, LinkedBodies& bodies) {
   listFollowing(rows);
   numberNodes(rows, bodies);
   for (JointConstraint& j : rows.joints) prepareJoint(j, bodies);
+  listBlock(rows.joints, rows.block);
   rows.pressed = std::any_of(rows.contacts.begin(), rows.contacts.end(), [&](const Contact& c) {
     const bool asWhole = c.a.kind == ContactPoint::Kind::Rigid || isFramed(bodies, c.a);
     return asWhole && c.b.kind == ContactPoint::Kind::World;

@@ -3,6 +3,7 @@
 
 // Contacts and joints between bodies that are stepped together, and the solver for all of them in a substep.
 
+#include "solver/joint_block.h"
 #include "solver/links.h"
 #include "solver/plane_contacts.h"
 #include "solver/team.h"
@@ -121,6 +122,7 @@ struct JointConstraint {
   double curve = 0.0;    ///< m/s, what turning adds to the mean speed of the pivots in a drift
   double impulse = 0.0;  ///< sum over the tick
   double mass = 0.0;     ///< impulse per speed; 0: neither side can be moved
+  bool inBlock = false;  ///< one of JointBlock::rows
   double before = 0.0, change = 0.0, direction = 0.0;  ///< scratch of the solver
 };
 
@@ -293,7 +295,8 @@ struct IslandConstraints {
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       anchored;  ///< body and point, sorted: points attached to immovable bodies
   std::vector<Eigen::Vector3d>
-      scaledMasses;            ///< 1/kg, inverse masses of points in contacts with a massFactor
+      scaledMasses;  ///< 1/kg, inverse masses of points in contacts with a massFactor
+  JointBlock block;
   double time = 0.0;           ///< s, since the tick's start, of the present substep's middle
   bool turns = false;          ///< a contact has an acceleration
   bool restitutes = false;     ///< a contact has a restitution
