@@ -106,6 +106,12 @@ inline bool isFree(const btRigidBody& body) {
          body.getWorldArrayIndex() >= 0;
 }
 
+/// Returns whether the body is dynamic, in the world, and sleeps.
+inline bool isSleepingBody(const btRigidBody& body) {
+  return !isStaticOrKinematic(body) && body.getActivationState() == ISLAND_SLEEPING &&
+         body.getWorldArrayIndex() >= 0;
+}
+
 /// Wakes a dynamic body within a step. The world has already applied gravity to the bodies that were awake at
 /// its start.
 inline void wakeInStep(btRigidBody& body) {

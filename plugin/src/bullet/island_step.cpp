@@ -185,7 +185,10 @@ void scaleWarmStart(IslandConstraints& pairs, int substeps) {
     c.positionImpulse *= share;
     c.velocityImpulse = c.positionImpulse;
   }
-  for (JointConstraint& j : pairs.joints) j.lower /= 2.0 * substeps, j.upper /= 2.0 * substeps;
+  for (JointConstraint& j : pairs.joints) {
+    j.lower /= 2.0 * substeps, j.upper /= 2.0 * substeps;
+    j.yielding *= 2.0 * substeps;
+  }
 }
 
 /// Fraction of an overlap that is corrected per tick. Bullet's solver corrects as much, and leaves this speed
@@ -290,11 +293,20 @@ double workOfSurroundings(const Island& island) {
   return work;
 }
 
-/// Returns the work (J) of a part of the joints' speeds.
-double workOfJoints(double JointSource::*speed, const Island& island, const TickContacts& found) {
+bool isJoint(const JointConstraint& j) { return j.contact == JointConstraint::kHeld; }
+
+/// Returns the work (J) of kinematic bodies by joints.
+double workOfKinematic(const Island& island, const TickContacts& found) {
   double work = 0.0;
   for (std::size_t i = 0; i < island.joints.size(); ++i)
-    work += island.step.pairs.joints[i].impulse * found.jointSources[island.joints[i]].*speed;
+    work += island.step.pairs.joints[i].impulse * found.jointSources[island.joints[i]].kinematic;
+  return work;
+}
+
+/// Returns the work (J) by which joints have corrected their errors.
+double workOfRecovery(const Island& island) {
+  double work = 0.0;
+  for (const JointConstraint& j : island.step.pairs.joints) work += j.work;
   return work;
 }
 
@@ -310,8 +322,6 @@ struct CommonMotion {
   Eigen::Vector3d at(const Eigen::Vector3d& position) const { return mean + spin.cross(position - center); }
   double energy() const { return 0.5 * mass * mean.squaredNorm() + 0.5 * spin.dot(angular); }
 };
-
-bool isJoint(const JointConstraint& j) { return j.contact == JointConstraint::kHeld; }
 
 /// Calls softs(body) and rigids(body) for the moving bodies that count: all, or those of `only` (see
 /// Island::joined).
@@ -427,9 +437,9 @@ void markJoined(Island& island) {
 /// Removes the increase of the energy in the tick from the motion of the joints' bodies, as far as joints
 /// have caused it by correcting their errors.
 void limitEnergy(Island& island, const TickContacts& found, double energyBefore) {
-  const double outer = workOfSurroundings(island) + workOfJoints(&JointSource::kinematic, island, found);
+  const double outer = workOfSurroundings(island) + workOfKinematic(island, found);
   const double increase = energyOf(island.step) - energyBefore - outer;
-  const double excess = std::min(increase, workOfJoints(&JointSource::recovery, island, found));
+  const double excess = std::min(increase, workOfRecovery(island));
   if (!(excess > 0.0)) return;
   markJoined(island);
   CommonMotion motion = commonMotion(island.step, &island.joined);

@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Bullet's largest constraint has six rows and a spring or motor for each.
-constexpr int kMaxRows = 16;
+/// Bullet's largest constraint has two limits, a spring and a motor for each of six axes.
+constexpr int kMaxRows = 24;
 
 /// A row in the layout of Bullet's constraints.
 struct Row {
@@ -34,9 +34,9 @@ struct Rows {
 
 btTypedConstraint::btConstraintInfo2 infoOn(Rows& buffer, const btContactSolverInfo& solver, btScalar tick) {
   const btVector3 zero(0, 0, 0);
-  for (Row& row : buffer.rows)
-    row = {zero, zero, zero, zero, 0, solver.m_globalCfm, -SIMD_INFINITY, SIMD_INFINITY};
+  for (Row& row : buffer.rows) row = {zero, zero, zero, zero, 0, 0, -SIMD_INFINITY, SIMD_INFINITY};
   Row& first = buffer.rows[0];
+  first.softness = solver.m_globalCfm;  // Bullet's solver sets that of the first row only
   btTypedConstraint::btConstraintInfo2 info;
   info.fps = btScalar(1) / tick;
   info.erp = solver.m_erp;
@@ -73,26 +73,42 @@ std::uint32_t sideOf(const btRigidBody& body, const Vector3d& linear, const Vect
   return JointConstraint::kHeld;
 }
 
-/// Splits the speed of a row into that of error correction and that of a kinematic side. Bullet takes the
-/// error where the kinematic body is at the end of the tick, so its motion is also in the correction.
-JointSource sourceOf(btTypedConstraint& joint, const Row& row, double speed, double erp) {
-  const double error = double(row.error), kinematic = speed - error;
-  if (row.isDriven()) return {&joint, 0.0, kinematic, true};
-  return {&joint, error - erp * kinematic, (1.0 + erp) * kinematic, false};
+/// Returns whether the joint is of one of Bullet's types whose rows without limits hold positions.
+bool isBullets(const btTypedConstraint& joint) {
+  const btTypedConstraintType type = joint.getConstraintType();
+  return (type >= POINT2POINT_CONSTRAINT_TYPE && type <= SLIDER_CONSTRAINT_TYPE) ||
+         type == D6_SPRING_CONSTRAINT_TYPE || type == D6_SPRING_2_CONSTRAINT_TYPE ||
+         type == FIXED_CONSTRAINT_TYPE;
 }
 
-void addRow(btTypedConstraint& joint, const Row& row, btScalar erp, btScalar tick, TickContacts& found) {
+/// Sets what the speed of a row consists of: that of error correction and that of a kinematic side. Bullet
+/// takes the error where the kinematic body is at the end of the tick, so its motion is also in the
+/// correction, and in the velocities of what follows it. Others do not keep the speed of a correction: joints
+/// that contradict each other would push for ever. Limits may bounce.
+JointSource splitSpeed(btTypedConstraint& joint, const Row& row, double erp, JointConstraint& j) {
+  const double error = double(row.error), kinematic = j.speed - error;
+  if (j.isDriven) return {&joint, kinematic, true};
+  j.recovery = error - erp * kinematic;
+  const bool isLimit = row.lower > -SIMD_INFINITY || row.upper < SIMD_INFINITY;
+  if (kinematic == 0.0 && !isLimit && isBullets(joint)) j.correction = error;
+  return {&joint, (1.0 + erp) * kinematic, false};
+}
+
+void addRow(btTypedConstraint& joint, const Row& row, btScalar erp, TickContacts& found) {
   JointConstraint j;
   j.linearA = toEigen(row.linearA), j.angularA = toEigen(row.angularA);
   j.linearB = toEigen(row.linearB), j.angularB = toEigen(row.angularB);
-  if (row.lower > -SIMD_INFINITY) j.lower = double(row.lower);
-  if (row.upper < SIMD_INFINITY) j.upper = double(row.upper);
+  // a joint that breaks pulls no harder before
+  const btScalar breaking = joint.getBreakingImpulseThreshold();
+  if (btMin(-row.lower, breaking) < SIMD_INFINITY) j.lower = -double(btMin(-row.lower, breaking));
+  if (btMin(row.upper, breaking) < SIMD_INFINITY) j.upper = double(btMin(row.upper, breaking));
+  j.isDriven = row.isDriven();
   j.speed = double(row.error);
-  j.softness = double(row.softness / tick);
+  j.yielding = double(row.softness);
   j.a = sideOf(joint.getRigidBodyA(), j.linearA, j.angularA, found, j.speed);
   j.b = sideOf(joint.getRigidBodyB(), j.linearB, j.angularB, found, j.speed);
+  found.jointSources.push_back(splitSpeed(joint, row, double(erp), j));
   found.joints.push_back(j);
-  found.jointSources.push_back(sourceOf(joint, row, j.speed, double(erp)));
 }
 
 /// Adds a row against rotation of the two bodies of the last contact about `axis`. Its limit is `rolling` (m)
@@ -202,15 +218,21 @@ Rows readRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btSca
 /// Replaces the force of springs by that of half a tick later. The force is constant in the tick of length h.
 /// If it is that of the distance x at the start, (x, v) is multiplied by a matrix of determinant 1 + (omega
 /// h)^2 / 2, and oscillations grow. With the distance in the middle, x + h v / 2, the determinant is 1.
-/// Rows of limits may come and go between the two.
+/// Rows of limits and springs may come and go between the two; those of one axis are of the same spring.
 void copySprings(const Rows& middle, Rows& buffer) {
-  const Row *later = middle.rows, *const end = middle.rows + middle.count;
+  const auto isSpringOf = [](const Row& row) {
+    return [&row](const Row& later) {
+      const btVector3 Row::*const axis = row.linearA.isZero() ? &Row::angularA : &Row::linearA;
+      return later.isDriven() && (later.*axis).dot(row.*axis) > btScalar(0.7) * (row.*axis).length2();
+    };
+  };
+  const Row *next = middle.rows, *const end = middle.rows + middle.count;
   for (Row* row = buffer.rows; row != buffer.rows + buffer.count; ++row) {
     if (!row->isDriven()) continue;
-    while (later != end && !later->isDriven()) ++later;
-    if (later == end) return;
+    const Row* const later = std::find_if(next, end, isSpringOf(*row));
+    if (later == end) continue;
     row->error = later->error, row->lower = later->lower, row->upper = later->upper;
-    ++later;
+    next = later + 1;
   }
 }
 
@@ -239,7 +261,7 @@ void addRows(btTypedConstraint& joint, const btContactSolverInfo& solver, btScal
   const Vector3d armA = armOf(buffer, &Row::linearA, &Row::angularA),
                  armB = armOf(buffer, &Row::linearB, &Row::angularB);
   for (int i = 0; i < buffer.count; ++i) {
-    addRow(joint, buffer.rows[i], solver.m_erp, tick, found);
+    addRow(joint, buffer.rows[i], solver.m_erp, found);
     found.joints.back().armA = armA, found.joints.back().armB = armB;
   }
 }
@@ -400,8 +422,10 @@ void addJointedSurfaces(btDiscreteDynamicsWorld& world, TickContacts& found) {
 bool addJoinedBodies(btDiscreteDynamicsWorld& world, TickContacts& found) {
   const std::size_t before = found.rigids.size();
   forEachJoint(world, found, [&](btTypedConstraint& joint) {
-    for (btRigidBody* body : {&joint.getRigidBodyA(), &joint.getRigidBodyB()})
+    for (btRigidBody* body : {&joint.getRigidBodyA(), &joint.getRigidBodyB()}) {
+      if (isSleepingBody(*body) && !SurfaceObject::from(body)) wakeInStep(*body);
       if (isStepped(*body)) found.add(*body);
+    }
   });
   return found.rigids.size() > before;
 }
@@ -434,7 +458,9 @@ void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar
     const JointConstraint& row = contacts.joints[i];
     joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));
     if (joint.getJointFeedback()) addFeedback(*joint.getJointFeedback(), row, tick);
-    if (std::abs(row.impulse) >= double(joint.getBreakingImpulseThreshold())) joint.setEnabled(false);
+    constexpr double kRounding = 1e-6;  // of a limited impulse, the sum of those of the substeps
+    if (std::abs(row.impulse) >= (1.0 - kRounding) * double(joint.getBreakingImpulseThreshold()))
+      joint.setEnabled(false);
   }
 }
 

@@ -350,6 +350,7 @@ void MultiBodyLinks::addDriveRow(btMultiBody& multiBody, Drive drive, int link, 
       rowAlong(inWorld(joint.basis(), drive.share * ratesOf(joint.link).col(degree)), joint.arm());
   if (!findSides(joint, found, row)) return;
   row.speed = limits.speed, row.lower = limits.lower, row.upper = limits.upper;
+  row.isDriven = row.lower > -HUGE_VAL && row.upper < HUGE_VAL;
   drive.row = found.joints.size();
   drives_.push_back(drive);
   found.joints.push_back(row);

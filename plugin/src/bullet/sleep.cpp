@@ -296,8 +296,15 @@ bool isRestless(const btRigidBody& body, const SleepScratch& s) {
   return body.isActive() && !const_cast<btRigidBody&>(body).wantsSleeping();
 }
 
-/// Stirs quiet groups whose surface objects Bullet's constraints join to something awake. Returns whether
-/// there are any.
+/// Wakes a sleeping rigid body that something dynamic and awake is joined to. Returns whether it did.
+bool wakeBeside(btRigidBody& body, const btRigidBody& awake) {
+  if (!isSleepingBody(body) || isStaticOrKinematic(awake)) return false;
+  wakeInStep(body);
+  return true;
+}
+
+/// Stirs quiet groups whose surface objects Bullet's constraints join to something awake, and wakes rigid
+/// bodies between such groups. Returns whether there are any.
 bool stirJoined(btDiscreteDynamicsWorld& world, double tick, SleepScratch& s) {
   bool any = false;
   for (int i = 0; i < world.getNumConstraints(); ++i) {
@@ -305,7 +312,11 @@ bool stirJoined(btDiscreteDynamicsWorld& world, double tick, SleepScratch& s) {
     btRigidBody *a = &joint.getRigidBodyA(), *b = &joint.getRigidBodyB();
     if (!joint.isEnabled()) continue;
     for (const auto& [end, other] : {std::pair(a, b), std::pair(b, a)}) {
-      if (!SurfaceObject::from(end) || isRestless(*end, s) || !isRestless(*other, s)) continue;
+      if (isRestless(*end, s) || !isRestless(*other, s)) continue;
+      if (!SurfaceObject::from(end)) {
+        any = wakeBeside(*end, *other) || any;
+        continue;
+      }
       const auto isIts = [&](const SleepBox& quiet) { return quiet.object == end; };
       stir(*std::find_if(s.quiet.begin(), s.quiet.end(), isIts)->group, tick, s);
       any = true;

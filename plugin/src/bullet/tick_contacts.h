@@ -84,8 +84,7 @@ struct TickContact : Contact {
 /// The origin of a constraint row of a joint.
 struct JointSource {
   btTypedConstraint* constraint = nullptr;  ///< nullptr: rolling friction of a contact
-  double recovery = 0.0;                    ///< m/s or rad/s, the speed of error correction
-  double kinematic = 0.0;                   ///< likewise, that of a kinematic side
+  double kinematic = 0.0;                   ///< m/s or rad/s, the speed of a kinematic side
   bool drives = false;                      ///< a motor or a spring: its impulse has both limits
 };
 

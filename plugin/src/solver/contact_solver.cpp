@@ -63,15 +63,22 @@ double speedOf(const LinkedBodies& bodies, const JointConstraint& j) {
 /// s.
 constexpr double kBlockSoftness = 1e-3;
 
-/// Returns the speed that the row lacks, with the impulse `sum`.
-double errorOf(const LinkedBodies& bodies, const JointConstraint& j, double softness, double sum) {
+/// Returns the speed that the row lacks.
+double lackOf(const LinkedBodies& bodies, const JointConstraint& j, Stage stage) {
+  const double correction = stage == Stage::Velocities ? j.correction : 0.0;
+  return j.speed - correction - j.curve - speedOf(bodies, j);
+}
+
+/// Likewise, with the impulse `sum` to which the row yields.
+double errorOf(const LinkedBodies& bodies, const JointConstraint& j, Stage stage, double softness,
+               double sum) {
   const double yielding = softness * (sum - kKept * j.before) / j.mass;
-  return j.speed - j.curve - speedOf(bodies, j) - j.softness * sum - yielding;
+  return lackOf(bodies, j, stage) - j.softness * sum - yielding;
 }
 
 /// Changes the impulse `sum` within its limits so that the joint has its speed. Sets j.change to the change.
-void solveJoint(LinkedBodies& bodies, JointConstraint& j, double softness, double& sum) {
-  const double target = sum + errorOf(bodies, j, softness, sum) * j.mass / (1.0 + softness);
+void solveJoint(LinkedBodies& bodies, JointConstraint& j, Stage stage, double softness, double& sum) {
+  const double target = sum + errorOf(bodies, j, stage, softness, sum) * j.mass / (1.0 + softness);
   const double impulse = std::clamp(target, j.lower, j.upper);
   j.change = impulse - sum;
   sum = impulse;
@@ -370,7 +377,7 @@ struct Solve {
     JointBlock& block = rows.block;
     for (std::size_t i = 0; i < block.rows.size(); ++i) {
       JointConstraint& j = rows.joints[block.rows[i]];
-      block.change[i] = errorOf(bodies, j, blockSoftness(), impulse(j));
+      block.change[i] = errorOf(bodies, j, stage, blockSoftness(), impulse(j));
       if (block.pivots[i] > 0.0)
         change.add(block.change[i] * block.change[i] * j.mass * j.mass, 1.0 / j.mass);
     }
@@ -390,7 +397,7 @@ struct Solve {
     for (JointConstraint& j : rows.joints) {
       if (j.mass == 0.0 || j.inBlock) continue;
       if (free && j.contact != JointConstraint::kHeld) limitRolling(j);
-      solveJoint(bodies, j, jointSoftness(), impulse(j));
+      solveJoint(bodies, j, stage, jointSoftness(), impulse(j));
       change.add(j.change * j.change, 1.0 / j.mass);
     }
     pushFrames(bodies);
@@ -523,8 +530,19 @@ bool startSolve(IslandConstraints& rows, LinkedBodies& bodies) {
 
 /// Whether the row has a speed that it must have, or one that it must not pass.
 bool mustHold(const JointConstraint& j) {
-  const bool isDriven = j.lower > -HUGE_VAL && j.upper < HUGE_VAL;
-  return j.contact == JointConstraint::kHeld && j.mass > 0.0 && !isDriven;
+  return j.contact == JointConstraint::kHeld && j.mass > 0.0 && !j.isDriven;
+}
+
+/// Adds the work by which the rows have corrected errors. Where they contradict each other, large impulses
+/// correct nothing.
+void addWork(IslandConstraints& rows, LinkedBodies& bodies, Stage stage) {
+  fitFrameVelocities(bodies);
+  for (JointConstraint& j : rows.joints) {
+    if (j.isDriven || j.contact != JointConstraint::kHeld) continue;
+    const double impulse = stage == Stage::Positions ? j.positionImpulse : j.velocityImpulse;
+    const double recovery = j.recovery - (stage == Stage::Velocities ? j.correction : 0.0);
+    j.work += impulse * (recovery - lackOf(bodies, j, stage));
+  }
 }
 
 }  // namespace
@@ -560,13 +578,14 @@ int solvePositions(IslandConstraints& rows, LinkedBodies& bodies, Team& team, do
   if (!startSolve(rows, bodies)) return 0;
   aimAnchors(bodies, dt, tick);
   const int sweeps = Solve{rows, bodies, team, Stage::Positions, dt, tick}.run();
-  fitFrameVelocities(bodies);
+  addWork(rows, bodies, Stage::Positions);
   return sweeps;
 }
 
 int solveVelocities(IslandConstraints& rows, LinkedBodies& bodies, Team& team) {
   if (!startSolve(rows, bodies)) return 0;
   const int sweeps = Solve{rows, bodies, team, Stage::Velocities}.run();
+  addWork(rows, bodies, Stage::Velocities);
   if (!rows.restitutes) return sweeps;
   forEachRow(rows, team, [&](std::size_t i) {
     if (rows.rows[i].restitutes) keepVelocity(rows, rows.rows[i]);

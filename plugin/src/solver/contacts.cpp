@@ -397,6 +397,7 @@ void prepareJoint(JointConstraint& j, const LinkedBodies& bodies) {
         mobility +=
             linear.dot(linear.cwiseProduct(rigid.inverseMass)) + angular.dot(rigid.inverseInertia * angular);
       });
+  j.softness = j.yielding * mobility;
   j.mass = mobility > 0.0 ? 1.0 / (mobility + j.softness) : 0.0;
 }
 
@@ -416,7 +417,8 @@ Vector3d centripetal(std::uint32_t side, const LinkedBodies& bodies, const Vecto
 /// then act along one line, and conserve angular momentum.
 Vector3d firstArm(const JointConstraint& j, const LinkedBodies& bodies, const Vector3d& armB,
                   JointPivots pivots) {
-  if (pivots == JointPivots::Own || j.a == JointConstraint::kHeld || j.b == JointConstraint::kHeld)
+  const bool isPair = j.a != JointConstraint::kHeld && j.b != JointConstraint::kHeld;
+  if (pivots == JointPivots::Own || !isPair || !j.local.opposite)
     return rotationOf(j.a, bodies) * j.local.armA;
   return bodies.rigids[j.b].position + armB - bodies.rigids[j.a].position;
 }
@@ -427,10 +429,12 @@ void turn(JointConstraint& j, const LinkedBodies& bodies, double dt, JointPivots
   const Eigen::Quaterniond a = rotationOf(j.a, bodies), b = rotationOf(j.b, bodies);
   const Vector3d n = a * j.local.axis, armB = b * j.local.armB, armA = firstArm(j, bodies, armB, pivots);
   const Vector3d angularA = a * j.local.angularA;
-  j.linearA = n, j.linearB = -n;
+  j.linearA = n, j.linearB = j.local.opposite ? Vector3d(-n) : b * j.local.axisB;
   j.angularA = armA.cross(n) + angularA;
-  j.angularB = -armB.cross(n) + (j.local.shared ? Vector3d(-angularA) : Vector3d(b * j.local.angularB));
-  j.curve = 0.5 * dt * n.dot(centripetal(j.a, bodies, armA) - centripetal(j.b, bodies, armB));
+  j.angularB =
+      armB.cross(j.linearB) + (j.local.shared ? Vector3d(-angularA) : Vector3d(b * j.local.angularB));
+  j.curve =
+      0.5 * dt * (n.dot(centripetal(j.a, bodies, armA)) + j.linearB.dot(centripetal(j.b, bodies, armB)));
 }
 
 JointAxes localAxes(const JointConstraint& j, const LinkedBodies& bodies) {
@@ -438,8 +442,17 @@ JointAxes localAxes(const JointConstraint& j, const LinkedBodies& bodies) {
   const Eigen::Quaterniond a = rotationOf(j.a, bodies).conjugate(), b = rotationOf(j.b, bodies).conjugate();
   const Vector3d angularA = j.angularA - j.armA.cross(j.linearA),
                  angularB = j.angularB - j.armB.cross(j.linearB);
-  return {a * j.linearA, a * j.armA,   b * j.armB,
-          a * angularA,  b * angularB, (angularA + angularB).norm() <= kRounding * angularA.norm()};
+  const auto areOpposite = [](const Vector3d& x, const Vector3d& y) {
+    return (x + y).norm() <= kRounding * x.norm();
+  };
+  return {a * j.linearA,
+          b * j.linearB,
+          a * j.armA,
+          b * j.armB,
+          a * angularA,
+          b * angularB,
+          areOpposite(angularA, angularB),
+          areOpposite(j.linearA, j.linearB)};
 }
 
 /// Sets the inverse of the symmetric mobility (1/kg) between the tangents, and that of its larger eigenvalue.

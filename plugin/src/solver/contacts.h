@@ -89,11 +89,12 @@ struct Contact : ContactBase {
 
 /// A row of a joint in the axes of its bodies, with which it turns: see turnJoints().
 struct JointAxes {
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();                                  ///< linearA
-  Eigen::Vector3d armA = Eigen::Vector3d::Zero(), armB = Eigen::Vector3d::Zero();  ///< m
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero(), axisB = Eigen::Vector3d::Zero();  ///< linearA, linearB
+  Eigen::Vector3d armA = Eigen::Vector3d::Zero(), armB = Eigen::Vector3d::Zero();   ///< m
   Eigen::Vector3d angularA = Eigen::Vector3d::Zero(),
                   angularB = Eigen::Vector3d::Zero();  ///< what is not due to the arms
   bool shared = false;                                 ///< angularB is opposite to angularA
+  bool opposite = false;                               ///< linearB is opposite to linearA
 };
 
 /// Where a row's force acts on its first body: at its own pivot, as in Bullet's rows, or at that of the
@@ -107,22 +108,29 @@ struct JointConstraint {
   static constexpr std::uint32_t kHeld = static_cast<std::uint32_t>(-1);
   std::uint32_t a = kHeld, b = kHeld;  ///< indices into LinkedBodies::rigids; kHeld: an immovable side
   Eigen::Vector3d linearA, angularA, linearB, angularB;
-  double speed = 0.0;                          ///< m/s or rad/s
+  double speed = 0.0;       ///< m/s or rad/s
+  double correction = 0.0;  ///< likewise, the part of it that moves positions and leaves no velocity
+  double recovery = 0.0;    ///< m/s or rad/s, the part of `speed` by which an error is corrected
   double lower = -HUGE_VAL, upper = HUGE_VAL;  ///< N s or N m s, per substep
-  double softness = 0.0;                       ///< change of the speed per impulse (Bullet's cfm / time step)
-  std::uint32_t contact = kHeld;               ///< for rolling friction: index of its contact; else kHeld
-  double rolling = 0.0;  ///< m, ratio of the limits to the normal impulse of the contact
+  double yielding = 0.0;  ///< speed that the row lacks, per that which its impulse alone makes (Bullet's cfm)
+  bool isDriven = false;  ///< a motor or spring, which only pulls as hard as its limits
+  std::uint32_t contact = kHeld;  ///< for rolling friction: index of its contact; else kHeld
+  double rolling = 0.0;           ///< m, ratio of the limits to the normal impulse of the contact
   Eigen::Vector3d armA = Eigen::Vector3d::Zero(),
                   armB = Eigen::Vector3d::Zero();  ///< m, from the centres of mass to the joint's pivot
   double positionImpulse = 0.0,
          velocityImpulse = 0.0;  ///< of the present substep; initially the warm start
 
+  bool isBilateral() const { return lower == -HUGE_VAL && upper == HUGE_VAL; }
+
   // Written by the step.
   JointAxes local;
-  double curve = 0.0;    ///< m/s, what turning adds to the mean speed of the pivots in a drift
-  double impulse = 0.0;  ///< sum over the tick
-  double mass = 0.0;     ///< impulse per speed; 0: neither side can be moved
-  bool inBlock = false;  ///< one of JointBlock::rows
+  double curve = 0.0;     ///< m/s, what turning adds to the mean speed of the pivots in a drift
+  double impulse = 0.0;   ///< sum over the tick
+  double mass = 0.0;      ///< impulse per speed; 0: neither side can be moved
+  double softness = 0.0;  ///< change of the speed per impulse
+  double work = 0.0;      ///< J, of the impulses by which errors are corrected
+  bool inBlock = false;   ///< one of JointBlock::rows
   double before = 0.0, change = 0.0, direction = 0.0;  ///< scratch of the solver
 };
 

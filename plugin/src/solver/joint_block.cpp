@@ -18,7 +18,7 @@ constexpr double kMostWidth = 64.0;
 constexpr double kLeastPivot = 1e-9;
 
 bool isInBlock(const JointConstraint& j) {
-  return j.contact == JointConstraint::kHeld && j.mass > 0.0 && j.lower == -HUGE_VAL && j.upper == HUGE_VAL;
+  return j.contact == JointConstraint::kHeld && j.mass > 0.0 && j.isBilateral();
 }
 
 bool haveACommonBody(const JointConstraint& i, const JointConstraint& j) {

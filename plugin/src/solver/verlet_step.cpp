@@ -359,7 +359,7 @@ void prepare(SolverIsland& group) {
   fitFrames(group.links);
   prepareAnchors(group.links);
   for (Contact& c : group.pairs.contacts) c.impulse = TickImpulse();
-  for (JointConstraint& j : group.pairs.joints) j.impulse = 0.0;
+  for (JointConstraint& j : group.pairs.joints) j.impulse = j.work = 0.0;
   group.pairs.time = 0.0;
   group.pairs.rows.clear();  // those of the last tick
   startTurning(group.pairs, group.links);
