@@ -27,12 +27,14 @@ ACCURACY_BOUNDS = [
     ("hanging chain", "sag", "default", 1e-4),
     ("stiff pendulum", "period", "default", 1e-4),
     ("falling chain", "shape", "Verlet, 4 x substeps", 1e-3),
-    ("rest on a", "height", "default", 1e-6),
-    ("rest on a", "force", "default", 1e-4),
+    ("rest on a triangle mesh", "height", "default", 1e-6),
+    ("rest on a triangle mesh", "force", "default", 1e-4),
     ("dropped cube 1e3", "rebound", "default", 0.05),
     ("incline 0.97", "creep", "default", 1e-5),
     ("incline 1.03", "acceleration", "default", 5e-3),
 ]
+FLOOR_BOUNDS = [(scene, *bound) for scene in ("rest on a plane", "rest on a box", "rest on a hull")
+                for bound in (("height", "default", 1e-6), ("force", "default", 1e-4))]
 
 
 ANY_TICK = re.compile("[0-9]+")
@@ -266,19 +268,28 @@ def check_accuracy_run(one):
     expect(one.group in ("free motion", "with contacts") and len(one.texts["hash"]) == 16, f"{one.fields}")
 
 
-def check_accuracy(program, *_):
+def expect_bounds(program, bounds):
     with Folder(program) as folder:
-        for scene in dict.fromkeys(bound[0] for bound in ACCURACY_BOUNDS):
+        for scene in dict.fromkeys(bound[0] for bound in bounds):
             engines = [] if scene == "oscillator" else ["--engine", "limber"]  # the bounds are for Limber
             found, _ = folder.bench("accuracy", "--quick", "--scene", scene, *engines)
             runs = [one for one in found.select(ticks=ANY_TICK) if one.setting != "all numbers of substeps"]
             for one in runs:
                 check_accuracy_run(one)
-            for _, measure, setting, bound in [b for b in ACCURACY_BOUNDS if b[0] == scene]:
+            for _, measure, setting, bound in [b for b in bounds if b[0] == scene]:
                 errors = [one.values["error of " + measure] for one in runs
                           if one.setting == setting and one.engine == "Limber" and "error of " + measure in one.values]
                 expect(len(errors) > 1, f"no {measure} of {setting} in {scene}")
                 expect(max(errors) <= bound, f"{measure} of {setting} in {scene}: {max(errors)} is more than {bound}")
+
+
+def check_accuracy(program, *_):
+    expect_bounds(program, ACCURACY_BOUNDS)
+
+
+def check_accuracy_floors(program, *_):
+    """Checks the other floors, on which bodies rest alike."""
+    expect_bounds(program, FLOOR_BOUNDS)
 
 
 def check_accuracy_repeats(program, _, bench):

@@ -4,6 +4,7 @@
 #include "fuzz/dice.h"
 #include "solver/stepping_choice.h"
 #include "support/soft_world.h"
+#include "support/variants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -167,19 +168,19 @@ void playSeeds(unsigned first, unsigned count, int allowance) {
 
 /// The environment variable LIMBER_SEEDS, "FIRST COUNT ALLOWANCE", plays other seeds.
 TEST(AcceptedSettings, keepPositionsFinite) {
-  unsigned first = 1, count = 100;
+  unsigned first = 1, count = 50;
   int allowance = 20000;
   if (const char* seeds = std::getenv("LIMBER_SEEDS"))
     std::sscanf(seeds, "%u %u %d", &first, &count, &allowance);
   playSeeds(first, count, allowance);
 }
 
-TEST(AcceptedSettings, keepPositionsFiniteWithMoreSeeds) { playSeeds(101, 100, 20000); }
+TEST(AcceptedSettings, keepPositionsFiniteWithMoreSeeds) { playSeeds(51, 150, 20000); }
 
 /// Dampers, friction and speed that no iteration converges with, on a body of 10 micrometres.
 TEST(AcceptedSettings, ofAnImplicitStepperInContactTakeFewSubsteps) {
   for (const Stepper stepper : {Stepper::Auto, Stepper::ImplicitMidpoint, Stepper::Newton})
-    for (const double damping : {0.0, 1.0, 1e6, 1e12})
+    for (const double damping : variants({0.0, 1e12}, {1.0, 1e6}))
       for (const double friction : {0.5, 1e6}) {
         SoftWorld bullet;
         bullet.addPlaneFloor();

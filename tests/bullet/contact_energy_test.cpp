@@ -391,7 +391,7 @@ double fastestOnSpikes(const SharedNetwork& jelly, double x) {
   SoftBodySettings ofJelly = settingsAt({x, 2.0, 0.0});
   const SoftBody& cube = *bullet.addSoft(jelly, *withMaterial(*jelly, {3e4, 0.3, 300.0, 0.01}, ofJelly));
   double fastest = 0.0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 48; ++i) {
     bullet.tick();
     for (std::uint32_t p = 0; p < cube.pointCount(); ++p)
       fastest = std::max(fastest, cube.velocity(p).norm());

@@ -2,6 +2,7 @@
 // Soft bodies attached to rigid bodies that touch other objects or hang on joints of Bullet's. Energy does
 // not rise, momentum is kept, and attached points stay in place.
 #include "support/soft_world.h"
+#include "support/variants.h"
 
 #include <cmath>
 #include <functional>
@@ -55,7 +56,7 @@ TEST(Glued, aCubeOnABoxNeverGainsEnergy) {
                           {vec(.5, .5, .5), vec(0.0, 1.4, 0.0)},
                           {vec(.4, .2, .6), vec(1.0, 2.0, 0.3)}};
   for (const Glued& glued : scenes)
-    for (const double stiffness : {1e3, 1e5, 1e6}) {
+    for (const double stiffness : variants({1e3, 1e6}, {1e5})) {
       SCOPED_TRACE(stiffness);
       expectNoEnergyIsGained(glued, stiffness);
     }
@@ -183,7 +184,7 @@ void expectNoEnergyIsGained(const MakeJoint& make, unsigned seed, double rate) {
 TEST(Joined, aCubeOnABoxThatHangsOnAJointNeverGainsEnergy) {
   for (const auto& [name, make] : kJoints) {
     SCOPED_TRACE(name);
-    for (unsigned seed = 0; seed < 6; ++seed)
+    for (const unsigned seed : variants({0u, 1u, 2u}, {3u, 4u, 5u}))
       for (const double rate : {60.0, 15.0}) expectNoEnergyIsGained(make, seed, rate);
   }
 }

@@ -2,6 +2,7 @@
 // Unusual scenes: networks without springs, values that are not finite, invalid links, state between ticks,
 // and pins of two bodies in one place.
 #include "support/soft_world.h"
+#include "support/variants.h"
 
 #include <cmath>
 #include <limits>
@@ -379,7 +380,7 @@ struct HeldNearby {
 
 TEST(PinsNearby, contactsBetweenHeldPointsPushNothing) {
   for (const bool attached : {false, true})
-    for (const double apart : {0.0, 1e-6, 1e-4, 1e-3, 0.015}) {
+    for (const double apart : test::variants({0.0, 1e-4, 0.015}, {1e-6, 1e-3})) {
       const HeldNearby cloths(apart, attached);
       // a cloth that swings down by 1 m falls by about half a metre: 5 J
       EXPECT_LT(cloths.kinetic, 6.0) << apart << (attached ? " attached" : " pinned");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Saved states continue to the bit: in the same world, in a new one, and through files.
 #include "support/soft_world.h"
+#include "support/variants.h"
 
 #include <LinearMath/btSerializer.h>
 
@@ -152,7 +153,7 @@ struct RandomScene {
 // The boxes in Bullet's broadphase have room for some ticks, and its tree depends on how they have moved.
 // Neither may decide which bodies are stepped together.
 TEST(SavedState, worldsWithAnyPastContinueAlike) {
-  for (unsigned seed = 0; seed < 9; ++seed) {
+  for (const unsigned seed : variants({0u, 2u, 4u, 6u}, {1u, 3u, 5u, 7u, 8u})) {
     RandomScene old(seed), fresh(seed), used(seed);
     old.continuation(20 + static_cast<int>(seed * 37 % 70));
     const Bytes state = old.system.saveState();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of faces and edges with small objects, with objects between their points, and with fast objects.
 #include "support/soft_world.h"
+#include "support/variants.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 
@@ -341,7 +342,7 @@ TEST(SurfaceContact, noShotStaysInACube) {
   std::uniform_real_distribution<double> any(-1, 1);
   for (const double speed : {20.0, 50.0, 100.0})
     for (int target = 0; target < 3; ++target)
-      for (int shot = 0; shot < 200; ++shot) {
+      for (int shot = 0; shot < (kLongTests ? 200 : 80); ++shot) {
         SoftWorld bullet(0.0);
         SoftBodySettings s = cubeAt({0, 0, 0});
         s.rotation = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();

@@ -64,7 +64,7 @@ TEST_F(SurroundingsTest, aFallWithLinearDragIsExponential) {
 
 TEST_F(SurroundingsTest, aPlateBroadsideFallsAtItsTerminalSpeed) {
   const SoftBody* body = addPlate(*this);
-  bullet.simulate(10.0);
+  bullet.simulate(5.0);
   EXPECT_NEAR(fallOf(*body), std::sqrt(2.0 * 0.5 * kGravity / (1.2 * 1.17)), 0.01);
 }
 
@@ -86,7 +86,7 @@ TEST_F(SurroundingsTest, aClothFallsFlatAtItsTerminalSpeed) {
   s.flow.drag = 1.17;
   s.flow.linearDrag = 0.0;
   const SoftBody* cloth = add(squareCloth(16), s);
-  bullet.simulate(10.0);
+  bullet.simulate(5.0);
   EXPECT_NEAR(fallOf(*cloth), std::sqrt(2.0 * s.totalMass * kGravity / (1.2 * 1.17)), 0.01);
 }
 
@@ -102,7 +102,7 @@ TEST_F(SurroundingsTest, aBallFallsAtItsTerminalSpeed) {
   s.flow.drag = 0.47;
   s.flow.friction = 0.0;
   const SoftBody* body = add(bracedNetwork(mesh), s);
-  bullet.simulate(20.0);
+  bullet.simulate(6.0);  // twelve times the time in which the speed grows
   EXPECT_NEAR(fallOf(*body), std::sqrt(2.0 * 2.0 * kGravity / (1.2 * 0.47 * frontal)), 0.05);
 }
 

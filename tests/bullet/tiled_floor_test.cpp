@@ -3,6 +3,7 @@
 #include "bullet/soft_body_data.h"
 #include "support/soft_world.h"
 #include "support/tiled_floors.h"
+#include "support/variants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -229,9 +230,9 @@ SoftBodySettings smallCube(double height, const Vector3d& velocity) {
 }
 
 TEST(FinePieces, aBodyLandsAndRestsAsOnAPlane) {
-  for (const auto& [speed, stiffness] :
-       {std::pair(0.0, 1e4), std::pair(1.0, 1e4), std::pair(5.0, 1e4), std::pair(20.0, 1e4),
-        std::pair(20.0, 10.0)})  // a soft one has few substeps
+  for (const auto& [speed, stiffness] : variants(
+           {std::pair(5.0, 1e4), std::pair(20.0, 10.0)},
+           {std::pair(0.0, 1e4), std::pair(1.0, 1e4), std::pair(20.0, 1e4)}))  // a soft one has few substeps
     for (const bool boxes : {false, true}) {
       SCOPED_TRACE(testing::Message() << speed << " m/s, " << stiffness << " N/m, boxes " << boxes);
       SoftWorld fine, plane;

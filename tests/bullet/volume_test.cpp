@@ -2,6 +2,7 @@
 // Closed bodies in a world keep their volume; pressure inflates them.
 #include "support/small_meshes.h"
 #include "support/soft_world.h"
+#include "support/variants.h"
 
 #include <random>
 
@@ -90,7 +91,7 @@ struct UndampedFlight {
 TEST(Volume, undampedFlightKeepsItsEnergy) {
   for (const SharedNetwork& network : {closedCubeNetwork(), bracedNetwork(small_meshes::icosphere(1))})
     for (const std::size_t bodies : {1u, 3u})  // alone, and side by side in SIMD lanes
-      for (const double speed : {0.8, 2.0, 8.0})
+      for (const double speed : variants({0.8, 8.0}, {2.0}))
         for (const int minSubsteps : {5, 60}) {
           SCOPED_TRACE(testing::Message() << network->restPoints.size() << " points, " << bodies
                                           << " bodies, " << speed << " m/s, " << minSubsteps << " substeps");
@@ -247,10 +248,10 @@ TEST(Volume, ofTetrahedraCountsAsElasticEnergy) {
 TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
   MaterialMesh mesh;
   mesh.points = 40;
+  const SharedNetwork shared = *buildMaterialNetwork(small_meshes::cube(), mesh);
   const auto hash = [&](bool together) {
     SoftWorld bullet;
     bullet.addBoxFloor();
-    const SharedNetwork shared = *buildMaterialNetwork(small_meshes::cube(), mesh);
     std::vector<std::uint64_t> all;
     for (int i = 0; i < 5; ++i) {
       SoftBodySettings s = testedSettings();
@@ -259,7 +260,7 @@ TEST(Volume, ofTetrahedraIsTheSameToTheBitForBodiesSteppedTogether) {
       s.angularVelocity = {1, 2, 3};
       s = *withMaterial(*shared, {1e4, 0.3, 200.0}, s);
       const auto body =
-          bullet.system.createBody(together ? shared : *buildMaterialNetwork(small_meshes::cube(), mesh), s);
+          bullet.system.createBody(together ? shared : std::make_shared<SpringNetwork>(*shared), s);
       EXPECT_TRUE(body) << body.error();
     }
     bullet.simulate(1.0);

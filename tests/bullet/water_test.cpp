@@ -3,6 +3,7 @@
 #include "support/small_meshes.h"
 #include "support/soft_world.h"
 #include "support/surroundings.h"
+#include "support/variants.h"
 
 #include <cmath>
 
@@ -150,7 +151,7 @@ TEST_F(WaterTest, lightSolidsComeToRestOnWater) {
 
 TEST_F(WaterTest, undampedLightSolidsGainNoEnergyOnWater) {
   setWater(0.0);
-  for (const double mass : {1.0, 3.0, 10.0, 30.0, 100.0}) {
+  for (const double mass : variants({1.0, 10.0, 100.0}, {3.0, 30.0})) {
     SoftBodySettings s = stiffSolid(mass);
     const double draught = mass / 1000.0, rise = 0.1 * draught;
     s.flow.drag = s.flow.linearDrag = 0.0;

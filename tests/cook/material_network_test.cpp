@@ -12,6 +12,7 @@
 #include "support/network_shapes.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
+#include "support/variants.h"
 
 #include <gtest/gtest.h>
 
@@ -223,7 +224,7 @@ TEST(MaterialNetwork, slenderBarsTwistLikeBeams) {
     double length;
     std::uint32_t points;
   };
-  for (const Bar& bar : {Bar{5.0, 185}, Bar{5.0, 300}, Bar{20.0, 600}}) {
+  for (const Bar& bar : test::variants({Bar{5.0, 185}}, {Bar{5.0, 300}, Bar{20.0, 600}})) {
     const SharedNetwork network = make(test::boxMesh({bar.length, 1.0, 1.0}), bar.points);
     const test::BeamModuli beam = test::measureBeam({*network, network->stiffnessPerModulus});
     SCOPED_TRACE(testing::Message() << bar.length << " long, " << network->restPoints.size() << " points");
@@ -237,8 +238,9 @@ TEST(MaterialNetwork, slenderBarsTwistLikeBeams) {
 /// up to a quarter harder to bend than at 1/4. With the volume terms of a ratio of 0.4 the thinnest was 3.7
 /// times as hard, of 0.49 4.3 times.
 TEST(MaterialNetwork, thinBodiesDoNotLockWhenTheyBendNearIncompressibility) {
-  for (const Eigen::Vector3d& size : {Eigen::Vector3d(1, 0.4, 0.03), Eigen::Vector3d(1, 0.4, 0.05),
-                                      Eigen::Vector3d(1, 0.4, 0.1), Eigen::Vector3d(1, 0.2, 0.2)}) {
+  using Eigen::Vector3d;
+  for (const Vector3d& size : test::variants({Vector3d(1, 0.4, 0.05), Vector3d(1, 0.2, 0.2)},
+                                             {Vector3d(1, 0.4, 0.03), Vector3d(1, 0.4, 0.1)})) {
     const SharedNetwork network = make(test::boxMesh(size), 200);
     Material material;
     const auto moduliAt = [&](double poisson) {
@@ -246,7 +248,7 @@ TEST(MaterialNetwork, thinBodiesDoNotLockWhenTheyBendNearIncompressibility) {
       return measure(*network, *withMaterial(*network, material));
     };
     const ElasticModuli springs = moduliAt(0.25);
-    for (const double poisson : {0.4, 0.45, 0.49}) {
+    for (const double poisson : test::variants({0.4, 0.49}, {0.45})) {
       const ElasticModuli moduli = moduliAt(poisson);
       SCOPED_TRACE(testing::Message() << size.transpose() << ", ratio " << poisson);
       EXPECT_NEAR(moduli.youngsModulus / springs.youngsModulus, 1.0, 0.01);

@@ -10,6 +10,7 @@
 #include "support/networks.h"
 #include "support/small_meshes.h"
 #include "support/test_shapes.h"
+#include "support/variants.h"
 
 #include <limber/network_builder.h>
 
@@ -182,7 +183,7 @@ TEST(ReturnRate, ofCookedThinLimbsIsPerfect) {
   const Result<CookedMesh> rabbit = cook(network_shapes::rabbit302());
   ASSERT_TRUE(rabbit) << rabbit.error();
   for (const SharedNetwork& body : {test::cookedFigure().bodies[0], rabbit->bodies[0]})
-    for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(*body, kind, 2, 1).returned, 2u);
+    for (const Deformation kind : kKinds) EXPECT_EQ(measureReturns(*body, kind, 1, 1).returned, 1u);
 }
 
 /// A bar of 32 x 1 x 1 untwists slowly: its softest oscillation is far softer than its springs. Runs must not
@@ -215,7 +216,7 @@ TEST(Cooking, isTheSameOnAnyNumberOfThreads) {
   EXPECT_GT(std::count_if(alone->springs.begin(), alone->springs.end(),
                           [](const NetworkSpring& s) { return s.kind == SpringKind::Brace; }),
             0);
-  for (const std::size_t threads : {1u, 2u, 3u}) {
+  for (const std::size_t threads : test::variants<std::size_t>({3}, {1, 2})) {
     NetworkSettings settings;
     settings.parallel = onThreads(threads);
     const SharedNetwork network = *buildNetwork(mesh, settings);

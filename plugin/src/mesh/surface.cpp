@@ -13,15 +13,51 @@ namespace limber {
 
 using Eigen::Vector3d;
 
+namespace {
+
+bool isBefore(const Side& a, const Side& b) {
+  return std::tie(a.edge, a.triangle, a.corner) < std::tie(b.edge, b.triangle, b.corner);
+}
+
+/// Counting sorts take memory for all indices: sides with more than this many times as many are sorted by
+/// comparisons.
+constexpr std::size_t kMostIndicesPerSide = 4;
+
+/// Sorts sides by their first points, whose indices are `low` and, at most `range` in all, those above. Sides
+/// of one first point, which are few, are then sorted by comparisons.
+void sortByFirstPoint(std::vector<Side>& sides, std::uint32_t low, std::size_t range) {
+  std::vector<std::size_t> end(range + 1, 0);
+  for (const Side& side : sides) ++end[side.edge[0] - low + 1];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<Side> sorted(sides.size());
+  for (const Side& side : sides) sorted[end[side.edge[0] - low]++] = side;
+  std::size_t first = 0;
+  for (std::size_t point = 0; point < range; ++point) {
+    const auto begin = sorted.begin();
+    std::sort(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(end[point]),
+              isBefore);
+    first = end[point];
+  }
+  sides = std::move(sorted);
+}
+
+}  // namespace
+
 std::vector<Side> sortedSides(const std::vector<Triangle>& triangles) {
   std::vector<Side> sides;
   sides.reserve(3 * triangles.size());
+  std::uint32_t low = kNoPoint, high = 0;
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (std::uint32_t c = 0; c < 3; ++c)
+    for (std::uint32_t c = 0; c < 3; ++c) {
       sides.push_back({edgeBetween(triangles[t][c], triangles[t][(c + 1) % 3]), t, c});
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::tie(a.edge, a.triangle, a.corner) < std::tie(b.edge, b.triangle, b.corner);
-  });
+      low = std::min(low, sides.back().edge[0]);
+      high = std::max(high, sides.back().edge[0]);
+    }
+  if (sides.empty()) return sides;
+  if (const std::size_t range = std::size_t{high} - low + 1; range <= kMostIndicesPerSide * sides.size())
+    sortByFirstPoint(sides, low, range);
+  else
+    std::sort(sides.begin(), sides.end(), isBefore);
   return sides;
 }
 

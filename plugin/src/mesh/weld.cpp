@@ -12,7 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
+#include <numeric>
 
 namespace limber {
 namespace {
@@ -107,15 +107,27 @@ Nearest findNearest(const PositionGrid& grid, const std::vector<Eigen::Vector3d>
 // later one. A position that joins none keeps its own index. The result has #positions entries. Both need
 // finite positions.
 
+/// Returns for each value the index of the first one that is equal to it.
+template <class T>
+std::vector<std::uint32_t> firstOfEqual(const std::vector<T>& values) {
+  std::vector<std::uint32_t> order(values.size()), first(values.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return values[i] < values[j] || (i < j && !(values[j] < values[i]));
+  });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool isEqual = i > 0 && values[order[i - 1]] == values[order[i]];
+    first[order[i]] = isEqual ? first[order[i - 1]] : order[i];
+  }
+  return first;
+}
+
 /// Joins equal positions (-0 equals 0) to the first of them.
 std::vector<std::uint32_t> mergeEqual(const std::vector<Eigen::Vector3d>& positions) {
-  std::map<std::array<double, 3>, std::uint32_t> firstAt;
-  std::vector<std::uint32_t> joined;
-  for (std::uint32_t i = 0; i < positions.size(); ++i) {
-    const Eigen::Vector3d& p = positions[i];
-    joined.push_back(firstAt.try_emplace({p.x(), p.y(), p.z()}, i).first->second);
-  }
-  return joined;
+  std::vector<std::array<double, 3>> coordinates;
+  coordinates.reserve(positions.size());
+  for (const Eigen::Vector3d& p : positions) coordinates.push_back({p.x(), p.y(), p.z()});
+  return firstOfEqual(coordinates);
 }
 
 /// Visits the positions in order. Each one joins the nearest accepted one within `tolerance` (the first of
@@ -167,19 +179,20 @@ bool isDegenerate(const Triangle& t, const std::vector<Eigen::Vector3d>& positio
 /// triangles.
 void keepValidTriangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& joined,
                         WeldedMesh& welded) {
-  std::set<Triangle> earlier;
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Triangle& t = mesh.triangles[i];
-    const Triangle triangle{joined[t[0]], joined[t[1]], joined[t[2]]};
-    Triangle sorted = triangle;
-    std::sort(sorted.begin(), sorted.end());
-    const bool isNew = earlier.insert(sorted).second;
-    if (isDegenerate(triangle, mesh.positions)) {
+  std::vector<Triangle> triangles, sorted;
+  for (const Triangle& t : mesh.triangles) {
+    triangles.push_back({joined[t[0]], joined[t[1]], joined[t[2]]});
+    sorted.push_back(triangles.back());
+    std::sort(sorted.back().begin(), sorted.back().end());
+  }
+  const std::vector<std::uint32_t> first = firstOfEqual(sorted);
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (isDegenerate(triangles[i], mesh.positions)) {
       ++welded.report.degenerateTriangles;
-    } else if (!isNew) {
+    } else if (first[i] != i) {
       ++welded.report.duplicateTriangles;
     } else {
-      welded.triangles.push_back(triangle);
+      welded.triangles.push_back(triangles[i]);
       welded.keptTriangles.push_back(i);
     }
   }
