@@ -98,10 +98,8 @@ void addRow(btTypedConstraint& joint, const Row& row, btScalar erp, TickContacts
   JointConstraint j;
   j.linearA = toEigen(row.linearA), j.angularA = toEigen(row.angularA);
   j.linearB = toEigen(row.linearB), j.angularB = toEigen(row.angularB);
-  // a joint that breaks pulls no harder before
-  const btScalar breaking = joint.getBreakingImpulseThreshold();
-  if (btMin(-row.lower, breaking) < SIMD_INFINITY) j.lower = -double(btMin(-row.lower, breaking));
-  if (btMin(row.upper, breaking) < SIMD_INFINITY) j.upper = double(btMin(row.upper, breaking));
+  if (row.lower > -SIMD_INFINITY) j.lower = double(row.lower);
+  if (row.upper < SIMD_INFINITY) j.upper = double(row.upper);
   j.isDriven = row.isDriven();
   j.speed = double(row.error);
   j.yielding = double(row.softness);
@@ -458,9 +456,7 @@ void reportJoints(btDynamicsWorld& world, const TickContacts& contacts, btScalar
     const JointConstraint& row = contacts.joints[i];
     joint.internalSetAppliedImpulse(static_cast<btScalar>(row.impulse));
     if (joint.getJointFeedback()) addFeedback(*joint.getJointFeedback(), row, tick);
-    constexpr double kRounding = 1e-6;  // of a limited impulse, the sum of those of the substeps
-    if (std::abs(row.impulse) >= (1.0 - kRounding) * double(joint.getBreakingImpulseThreshold()))
-      joint.setEnabled(false);
+    if (std::abs(row.impulse) >= double(joint.getBreakingImpulseThreshold())) joint.setEnabled(false);
   }
 }
 
