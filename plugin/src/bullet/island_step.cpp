@@ -384,7 +384,7 @@ void addSpin(const SolverIsland& step, const std::vector<unsigned char>& only, C
   motion.angular = angular;
 }
 
-/// J, relative to the mean motion.
+/// J, relative to the common motion.
 double relativeEnergy(const SolverIsland& step, const CommonMotion& motion,
                       const std::vector<unsigned char>* only) {
   double sum = -motion.energy();

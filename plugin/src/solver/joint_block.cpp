@@ -44,23 +44,25 @@ double mobility(const JointConstraint& i, const JointConstraint& j, const Linked
   return mobility(i.a, i.linearA, i.angularA, j, bodies) + mobility(i.b, i.linearB, i.angularB, j, bodies);
 }
 
-/// Row i of L, indexed by columns.
-double* rowOf(JointBlock& block, std::size_t i) {
-  return block.lower.data() + block.begin[i] - block.first[i];
-}
+/// Row i of L from its first column on.
+double* rowOf(JointBlock& block, std::size_t i) { return block.lower.data() + block.begin[i]; }
 
 /// Replaces row i of A by that of L:  L_ij D_j = A_ij - sum over k < j of L_ik D_k L_jk.
 void factorRow(JointBlock& block, std::size_t i) {
+  const std::size_t first = block.first[i];
   double* const row = rowOf(block, i);
-  for (std::size_t j = block.first[i]; j < i; ++j) {
+  for (std::size_t j = first; j < i; ++j) {
     const double* const other = rowOf(block, j);
-    for (std::size_t k = std::max(block.first[i], block.first[j]); k < j; ++k) row[j] -= row[k] * other[k];
+    const std::size_t otherFirst = block.first[j];
+    for (std::size_t k = std::max(first, otherFirst); k < j; ++k)
+      row[j - first] -= row[k - first] * other[k - otherFirst];
   }
   double pivot = block.diagonal[i];
-  for (std::size_t j = block.first[i]; j < i; ++j) {
-    const double scaled = block.pivots[j] > 0.0 ? row[j] / block.pivots[j] : 0.0;
-    pivot -= scaled * row[j];
-    row[j] = scaled;
+  for (std::size_t j = first; j < i; ++j) {
+    double& value = row[j - first];
+    const double scaled = block.pivots[j] > 0.0 ? value / block.pivots[j] : 0.0;
+    pivot -= scaled * value;
+    value = scaled;
   }
   block.pivots[i] = pivot > kLeastPivot * block.diagonal[i] ? pivot : 0.0;
 }
@@ -99,7 +101,8 @@ void factorBlock(const std::vector<JointConstraint>& joints, const LinkedBodies&
   for (std::size_t i = 0; i < block.rows.size(); ++i) {
     const JointConstraint& joint = joints[block.rows[i]];
     double* const row = rowOf(block, i);
-    for (std::size_t j = block.first[i]; j < i; ++j) row[j] = mobility(joint, joints[block.rows[j]], bodies);
+    for (std::size_t j = block.first[i]; j < i; ++j)
+      row[j - block.first[i]] = mobility(joint, joints[block.rows[j]], bodies);
     block.diagonal[i] = (1.0 + softness) / joint.mass;
     factorRow(block, i);
   }
@@ -110,12 +113,12 @@ void solveBlock(JointBlock& block) {
   std::vector<double>& x = block.change;
   for (std::size_t i = 0; i < n; ++i) {
     const double* const row = rowOf(block, i);
-    for (std::size_t j = block.first[i]; j < i; ++j) x[i] -= row[j] * x[j];
+    for (std::size_t j = block.first[i]; j < i; ++j) x[i] -= row[j - block.first[i]] * x[j];
   }
   for (std::size_t i = 0; i < n; ++i) x[i] = block.pivots[i] > 0.0 ? x[i] / block.pivots[i] : 0.0;
   for (std::size_t i = n; i-- > 0;) {
     const double* const row = rowOf(block, i);
-    for (std::size_t j = block.first[i]; j < i; ++j) x[j] -= row[j] * x[i];
+    for (std::size_t j = block.first[i]; j < i; ++j) x[j] -= row[j - block.first[i]] * x[i];
   }
 }
 

@@ -22,8 +22,6 @@ struct JointBlock {
   std::vector<double> pivots;        ///< #n, D; 0: the row depends on those before and is left out
   std::vector<double> diagonal;      ///< #n, of A
   std::vector<double> change;        ///< #n, right side, then impulses
-
-  bool empty() const { return rows.empty(); }
 };
 
 /// Lists the rows of the block, and marks them. Call it where joints have been added; none are listed if the
